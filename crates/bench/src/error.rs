@@ -1,4 +1,4 @@
-//! Errors of a whole run. A failed delivery is a result, not an error.
+//! Errors of a whole run, and of its results file. A failed delivery is a result, not an error.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -104,7 +104,7 @@ path.display(), at.x, at.y
     Log(#[from] openbench_logs::LogError),
     /// Results cannot be written or read.
     #[error(transparent)]
-    Results(#[from] crate::score::results::ResultsError),
+    Results(#[from] ResultsError),
     /// A repeated episode differs from its recording.
     #[error("episode {episode} differs from its recording: {detail}")]
     Differs {
@@ -149,4 +149,31 @@ impl BenchError {
     pub fn world(problem: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
         Self::World(problem.into())
     }
+}
+
+/// A results file that cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResultsError {
+    /// The file cannot be read or written.
+    #[error("cannot access {}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: std::io::Error,
+    },
+    /// The file is no results file.
+    #[error(
+        "{}:{}:{} is no results.json of OpenBench",
+        path.display(),
+        source.line(),
+        source.column()
+    )]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// The error of the parser.
+        source: serde_json::Error,
+    },
 }

@@ -50,7 +50,7 @@ pub fn png(image: &Image) -> Result<Vec<u8>, ImageError> {
 ///
 /// # Errors
 /// Pixels that do not match the size.
-pub fn grey16_png((width, height): (u32, u32), pixels: &[u16]) -> Result<Vec<u8>, ImageError> {
+pub fn grey16_png(width: u32, height: u32, pixels: &[u16]) -> Result<Vec<u8>, ImageError> {
     let native: Vec<u8> = pixels.iter().flat_map(|p| p.to_ne_bytes()).collect();
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes).write_image(&native, width, height, ExtendedColorType::L16)?;

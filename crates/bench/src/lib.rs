@@ -5,12 +5,16 @@
 //! |---|---|
 //! | [`suite`] | [`Suite`], [`Episode`], [`WorldSource`]: the input of a run, as files |
 //! | [`worlds`] | [`Prepared`]: a loaded world with its doors looked up; worlds as folders |
-//! | [`mod@run`] | [`Rollout`]: agents drive episodes; traces and logs are recorded |
+//! | [`trace`] | [`EpisodeTrace`]: the record of an episode |
 //! | [`score`] | [`Results`]: from traces to metrics |
 //! | [`report`] | results for people: terminal table and HTML |
+//! | [`mod@run`] | [`Rollout`]: agents drive episodes; results, logs and reports are written |
 //! | [`error`] | [`BenchError`] |
 //! | [`image_file`] | encoding of images as JPEG and PNG |
 //! | [`line_problem`] | a line of a text file that cannot be parsed |
+//!
+//! Each folder imports from those above it in this table only, and all of them from the last three
+//! files; a test checks that.
 
 pub mod error;
 pub mod image_file;
@@ -20,16 +24,18 @@ pub mod report;
 pub mod run;
 pub mod score;
 pub mod suite;
+pub mod trace;
 pub mod worlds;
 
 pub use error::BenchError;
 pub use openbench_sim::traffic::TrafficPlan;
 pub use run::{
-    AgentFactory, AgentRequest, Agents, Disturbance, DisturbanceError, DisturbedTruth,
-    EpisodeTrace, Faults, Level, MEMORY_BEFORE, Observer, Rollout, RunRequest, Status, TruthHandle,
+    AgentFactory, AgentRequest, Agents, Faults, FixNoise, FixNoiseError, ImuRange, Level,
+    MEMORY_BEFORE, Observer, Rollout, RunRequest, SimulatedFixes, Status, TruthHandle,
     TruthLocalizer, memory_of, repeat, run,
 };
 pub use score::Results;
 pub use suite::builtin::builtin_suites;
 pub use suite::{Episode, Sensors, Suite, WorldSource};
+pub use trace::EpisodeTrace;
 pub use worlds::{Prepared, builtin_suite};

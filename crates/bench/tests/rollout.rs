@@ -98,7 +98,7 @@ fn single_steps_and_an_agent_give_the_same_trace() {
     assert_eq!(by_hand.velocities, driven.velocities);
     assert_eq!(by_hand.tasks, driven.tasks);
     assert_eq!(
-        by_hand.tasks[0].failure.as_ref().unwrap().0,
+        by_hand.tasks[0].failure.as_ref().unwrap().cause,
         FailureCause::DoorNotFound
     );
 }
@@ -136,7 +136,7 @@ fn observers_receive_the_begin_each_step_and_each_event() {
         seen: seen.clone(),
         fails_at: 0,
     };
-    let trace = run_episode(rollout().watched_by(observer), &mut Circle).unwrap();
+    let trace = run_episode(rollout().with_observer(observer), &mut Circle).unwrap();
     let seen = seen.lock().unwrap();
     assert_eq!((seen.begun, seen.steps), (1, trace.velocities.len()));
     assert_eq!(seen.events, [r#"0.000 s: Note("begun")"#]);
@@ -145,7 +145,7 @@ fn observers_receive_the_begin_each_step_and_each_event() {
 #[test]
 fn a_failing_observer_ends_the_episode_with_its_error() {
     let seen = Arc::new(Mutex::new(Seen::default()));
-    let mut rollout = rollout().watched_by(CountingObserver {
+    let mut rollout = rollout().with_observer(CountingObserver {
         seen: seen.clone(),
         fails_at: 3,
     });
@@ -177,7 +177,7 @@ fn a_declared_address_that_is_not_in_the_instruction_fails_one_delivery() {
     rollout.step(Action::Delivered(nobody));
     let trace = rollout.finish(Some(b"<osm/>".to_vec())).unwrap();
     assert_eq!(
-        trace.tasks[0].failure.as_ref().unwrap().0,
+        trace.tasks[0].failure.as_ref().unwrap().cause,
         FailureCause::WrongPlace
     );
     assert_eq!(trace.map.as_deref(), Some(&b"<osm/>"[..]));

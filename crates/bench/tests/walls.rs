@@ -1,7 +1,7 @@
 //! The dependency rules of ARCHITECTURE.md, checked with `cargo metadata`.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Layers: a crate may depend only on crates of lower layers.
@@ -24,6 +24,9 @@ const LAYERS: [(&str, u8); 17] = [
     ("openbench", 7),
     ("extensions", 8),
 ];
+
+/// The folders of `bench`, from low to high: a file imports from its own folder and lower ones.
+const BENCH_FOLDERS: [&str; 6] = ["suite", "worlds", "trace", "score", "report", "run"];
 
 /// For each crate of the workspace, the crates of the workspace that it depends on, without
 /// dev-dependencies.
@@ -79,38 +82,37 @@ fn agents_do_not_depend_on_the_truth() {
 }
 
 /// The source code of a crate, without tests and comments.
-fn code(folder: &str) -> String {
-    let (mut code, mut open) = (
-        String::new(),
-        vec![
-            PathBuf::from(root())
-                .join("crates")
-                .join(folder)
-                .join("src"),
-        ],
-    );
-    while let Some(folder) = open.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else if path.extension().is_some_and(|e| e == "rs") {
-                let text = std::fs::read_to_string(path).unwrap();
-                let tests = text.find("#[cfg(test)]").unwrap_or(text.len());
-                let lines = text[..tests]
-                    .lines()
-                    .filter(|line| !line.trim_start().starts_with("//"));
-                lines.for_each(|line| code.extend([line, "\n"]));
-            }
+fn code(crate_folder: &str) -> String {
+    code_below(&crates().join(crate_folder).join("src"))
+}
+
+/// The source code of all files below a folder, without tests and comments.
+fn code_below(folder: &Path) -> String {
+    let mut code = String::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            code += &code_below(&path);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            code += &code_of(&path);
         }
     }
     code
 }
 
-fn root() -> &'static str {
-    concat!(env!("CARGO_MANIFEST_DIR"), "/../..")
+/// The source code of a file, without tests, which stand at its end, and without comments.
+fn code_of(path: &Path) -> String {
+    let text = std::fs::read_to_string(path).unwrap();
+    let end = text.find("#[cfg(test)]").unwrap_or(text.len());
+    text[..end]
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .fold(String::new(), |code, line| code + line + "\n")
 }
 
+fn crates() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
 /// The crates of an agent do not contain the word, and the types that an agent receives have only
 /// fields that a robot can know: a start, maps, sensor data.
 #[test]
@@ -154,6 +156,49 @@ fn the_benchmark_depends_on_no_agent() {
         !reached.contains("openbench-agents"),
         "openbench-bench depends on openbench-agents"
     );
+}
+
+#[test]
+fn folders_of_the_benchmark_import_from_lower_ones_only() {
+    let source = crates().join("bench/src");
+    for (level, folder) in BENCH_FOLDERS.iter().enumerate() {
+        assert_imports_none(&source.join(folder), &BENCH_FOLDERS[level + 1..]);
+    }
+    for entry in std::fs::read_dir(&source).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        if path.is_dir() {
+            assert!(BENCH_FOLDERS.contains(&name), "give {name} a place here");
+        } else if name != "lib" {
+            assert_imports_none(&path, &BENCH_FOLDERS);
+        }
+    }
+}
+
+/// Panics if a file, or a file below a folder, names one of the `higher` modules of its crate.
+fn assert_imports_none(path: &Path, higher: &[&str]) {
+    let code = if path.is_dir() {
+        code_below(path)
+    } else {
+        code_of(path)
+    };
+    let path = path.display();
+    // These would hide a module from the search below.
+    assert!(
+        !code.contains("crate::{"),
+        "{path}: write one `use` for each module of the crate"
+    );
+    assert!(
+        !code.contains("super::super"),
+        "{path}: write `crate::` for other folders"
+    );
+    for module in higher {
+        let import = format!("crate::{module}");
+        assert!(
+            !code.contains(&import),
+            "{path} imports {import}, which is above it"
+        );
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use openbench_agents::Open;
 use openbench_agents::open::parts::{LocalizerPart, MakeFixes, PartError};
 use openbench_agents::open::{Catalogue, Models, Settings};
 use openbench_bench::run::registry::{AgentError, AgentSettings};
-use openbench_bench::{AgentFactory, AgentRequest, Disturbance, DisturbedTruth, TruthLocalizer};
+use openbench_bench::{AgentFactory, AgentRequest, FixNoise, SimulatedFixes, TruthLocalizer};
 use openbench_core::Agent;
 use openbench_models::{ModelSpec, ModelStore, PullEvent};
 
@@ -73,14 +73,10 @@ fn with_truth(mut catalogue: Catalogue, request: &AgentRequest<'_>) -> Catalogue
     );
     let (truth, seed) = (request.truth.clone(), request.seed);
     let read = move |argument: &str| -> Result<MakeFixes, PartError> {
-        let disturbance = disturbance(argument)?;
+        let noise = fix_noise(argument)?;
         let truth = truth.clone();
         Ok(Box::new(move |_| {
-            vec![Box::new(DisturbedTruth::new(
-                truth.clone(),
-                disturbance,
-                seed,
-            ))]
+            vec![Box::new(SimulatedFixes::new(truth.clone(), noise, seed))]
         }))
     };
     catalogue.fixes = catalogue.fixes.with(
@@ -91,9 +87,9 @@ fn with_truth(mut catalogue: Catalogue, request: &AgentRequest<'_>) -> Catalogue
     catalogue
 }
 
-fn disturbance(argument: &str) -> Result<Disturbance, PartError> {
+fn fix_noise(argument: &str) -> Result<FixNoise, PartError> {
     if argument.is_empty() {
-        Ok(Disturbance::default())
+        Ok(FixNoise::default())
     } else {
         Ok(argument.parse()?)
     }

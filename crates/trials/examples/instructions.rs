@@ -5,7 +5,7 @@
 
 use std::error::Error;
 
-use openbench_trials::instructions::{Split, made::made};
+use openbench_trials::instructions::{Split, generated::generated};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         _ => return Err("usage: instructions development|test [SEED]".into()),
     };
     let seed = words.get(1).map_or(Ok(1), |seed| seed.parse())?;
-    for case in made(split, seed) {
+    for case in generated(split, seed) {
         println!("{}", serde_json::to_string(&case)?);
     }
     Ok(())

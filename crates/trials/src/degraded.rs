@@ -13,8 +13,9 @@ use serde::Serialize;
 
 use crate::tour::{Style, Tour, drive};
 use openbench_bench::run::threads;
+use openbench_bench::score::metrics::LocalizationSum;
 use openbench_bench::score::metrics::localization::localization;
-use openbench_bench::score::metrics::{LocalizationSum, PoseError};
+use openbench_bench::trace::PoseError;
 use openbench_bench::{BenchError, Prepared};
 
 /// Standard deviation of a LiDAR range, from the data sheet.
@@ -52,11 +53,13 @@ pub enum Degradation {
     /// The field of view of the LiDAR is reduced to this many degrees, for 15 s in 45 s.
     Blinded(f64),
     /// The IMU has a shock about every three seconds.
-    Jerked,
+    #[serde(rename = "jerked")]
+    ImuShocks,
     /// The LiDAR has a mounting error in yaw, degrees.
     TurnedLidar(f64),
     /// The LiDAR has a mounting error in pitch, degrees, forward.
-    LeaningLidar(f64),
+    #[serde(rename = "leaning_lidar")]
+    PitchedLidar(f64),
     /// The wheels are larger than described by this factor.
     Wheels(f64),
     /// The time stamps of the LiDAR are late by this many milliseconds.
@@ -74,11 +77,11 @@ pub const ALL: [Degradation; 18] = [
     Degradation::Quantised(1.0),
     Degradation::Blinded(30.0),
     Degradation::Blinded(0.0),
-    Degradation::Jerked,
+    Degradation::ImuShocks,
     Degradation::TurnedLidar(1.0),
     Degradation::TurnedLidar(5.0),
-    Degradation::LeaningLidar(1.0),
-    Degradation::LeaningLidar(5.0),
+    Degradation::PitchedLidar(1.0),
+    Degradation::PitchedLidar(5.0),
     Degradation::Wheels(1.05),
     Degradation::Wheels(1.5),
     Degradation::Late(50),
@@ -92,9 +95,9 @@ impl fmt::Display for Degradation {
             Self::Noisy(factor) => write!(f, "noise x {factor}"),
             Self::Quantised(metres) => write!(f, "points rounded to {metres} m"),
             Self::Blinded(degrees) => write!(f, "LiDAR view {degrees}°, 15 s in 45 s"),
-            Self::Jerked => f.write_str("IMU shock every 3 s"),
+            Self::ImuShocks => f.write_str("IMU shock every 3 s"),
             Self::TurnedLidar(degrees) => write!(f, "LiDAR yaw error {degrees}°"),
-            Self::LeaningLidar(degrees) => write!(f, "LiDAR pitch error {degrees}°"),
+            Self::PitchedLidar(degrees) => write!(f, "LiDAR pitch error {degrees}°"),
             Self::Wheels(factor) => write!(f, "wheel radius x {factor}"),
             Self::Late(ms) => write!(f, "LiDAR stamps {ms} ms late"),
         }
@@ -103,7 +106,7 @@ impl fmt::Display for Degradation {
 
 /// The result with one degradation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Trial {
+pub struct DegradedResult {
     /// The degradation.
     pub degradation: Degradation,
     /// Errors of the poses; null if none was reported.
@@ -129,7 +132,7 @@ pub fn trials(
     time: Duration,
     threads: usize,
     make: &(dyn Fn() -> Box<dyn Localizer> + Sync),
-) -> Result<Vec<Trial>, BenchError> {
+) -> Result<Vec<DegradedResult>, BenchError> {
     let one = |i: usize| trial(prepared, seed, time, ALL[i], make().as_mut());
     threads::each(0..ALL.len(), threads, one, Ok)
 }
@@ -144,7 +147,7 @@ pub fn trial(
     time: Duration,
     degradation: Degradation,
     localizer: &mut dyn Localizer,
-) -> Result<Trial, BenchError> {
+) -> Result<DegradedResult, BenchError> {
     let tour = Tour {
         time,
         via: Vec::new(),
@@ -175,7 +178,7 @@ pub fn trial(
             / errors.len().max(1) as f64
     };
     let good = errors.iter().filter(|error| error.health == Health::Good);
-    Ok(Trial {
+    Ok(DegradedResult {
         degradation,
         errors: localization(std::iter::once(&errors[..])),
         good: share(Health::Good),
@@ -234,7 +237,7 @@ impl Degraded {
                 sample.gyro = sample.gyro.map(|x| x + self.normal(gyro));
                 sample.accel = sample.accel.map(|x| x + self.normal(accel));
             }
-            Degradation::Jerked if self.samples % SHOCK_PERIOD_SAMPLES < SHOCK_SAMPLES => {
+            Degradation::ImuShocks if self.samples % SHOCK_PERIOD_SAMPLES < SHOCK_SAMPLES => {
                 sample.accel = sample.accel.map(|x| x + self.normal(SHOCK_ACCEL_MPS2));
                 sample.gyro = sample.gyro.map(|x| x + self.normal(SHOCK_RATE_RAD_PER_S));
             }
@@ -286,7 +289,7 @@ impl Degraded {
             }
             Degradation::Quantised(metres) => at.map(|x| (x / metres).round() * metres),
             Degradation::TurnedLidar(degrees) => turned(Vector3::z_axis(), degrees),
-            Degradation::LeaningLidar(degrees) => turned(Vector3::y_axis(), degrees),
+            Degradation::PitchedLidar(degrees) => turned(Vector3::y_axis(), degrees),
             _ => at,
         };
         at.cast::<f32>().into()

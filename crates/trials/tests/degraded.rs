@@ -31,7 +31,7 @@ fn large_errors_are_not_reported_with_good_health() {
         Degradation::Noisy(10.0),
         Degradation::Quantised(0.25),
         Degradation::Blinded(0.0),
-        Degradation::Jerked,
+        Degradation::ImuShocks,
         Degradation::TurnedLidar(5.0),
     ] {
         let trial = drive(degradation);

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::score::metrics::localization::{PoseError, localization};
+use crate::score::metrics::localization::localization;
+use crate::trace::PoseError;
 
 const WIDTH_PX: f64 = 1040.0;
 const HEIGHT_PX: f64 = 120.0;

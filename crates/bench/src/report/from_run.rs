@@ -5,8 +5,8 @@ use openbench_geometry::Polygon;
 
 use super::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
 use crate::image_file;
-use crate::run::trace::{EpisodeTrace, Frame};
 use crate::score::results::Results;
+use crate::trace::{EpisodeTrace, Frame};
 use crate::worlds::{Prepared, PreparedEpisode};
 
 /// The input of a run's report.
@@ -90,9 +90,9 @@ fn episode_report(
             })
             .collect(),
         found_doors: found
-            .map(|(address, at)| DoorMark {
-                address: address.clone(),
-                position: *at,
+            .map(|door| DoorMark {
+                address: door.address.clone(),
+                position: door.position,
                 wanted: false,
             })
             .collect(),

@@ -2,8 +2,8 @@
 
 use openbench_core::{Address, MapPoint, PlannedDelivery, Pose2, SimTime};
 
-use crate::score::metrics::PoseError;
 use crate::score::results::Results;
+use crate::trace::PoseError;
 
 /// Everything that a report shows.
 #[derive(Debug, Clone)]

@@ -72,7 +72,7 @@ impl View {
             .buildings
             .iter()
             .flat_map(|b| b.outline.iter().copied());
-        let (min, max) = bounds(done).or_else(|| bounds(outlines))?;
+        let Bounds { min, max } = bounds(done).or_else(|| bounds(outlines))?;
         let (width, height) = (
             max.x - min.x + 2.0 * MARGIN_M,
             max.y - min.y + 2.0 * MARGIN_M,
@@ -96,7 +96,7 @@ impl View {
 
     /// Whether the bounding box of `points` overlaps the view.
     fn shows(&self, points: &[MapPoint]) -> bool {
-        bounds(points.iter().copied()).is_some_and(|(min, max)| {
+        bounds(points.iter().copied()).is_some_and(|Bounds { min, max }| {
             let ([left, bottom], [right, top]) = (self.pixel(min), self.pixel(max));
             right >= 0.0 && left <= WIDTH_PX && bottom >= 0.0 && top <= self.height
         })
@@ -134,18 +134,26 @@ impl View {
     }
 }
 
-/// The minimum and maximum corner of the bounding box of the finite points.
-fn bounds(points: impl IntoIterator<Item = MapPoint>) -> Option<(MapPoint, MapPoint)> {
-    let finite = points
+/// An axis-parallel bounding box.
+struct Bounds {
+    min: MapPoint,
+    max: MapPoint,
+}
+
+/// The bounding box of the finite points; `None` without any.
+fn bounds(points: impl IntoIterator<Item = MapPoint>) -> Option<Bounds> {
+    let mut finite = points
         .into_iter()
         .filter(|p| p.x.is_finite() && p.y.is_finite());
-    finite.fold(None, |found, p| {
-        let (min, max) = found.unwrap_or((p, p));
-        Some((
-            MapPoint::new(min.x.min(p.x), min.y.min(p.y)),
-            MapPoint::new(max.x.max(p.x), max.y.max(p.y)),
-        ))
-    })
+    let first = finite.next()?;
+    let around_first = Bounds {
+        min: first,
+        max: first,
+    };
+    Some(finite.fold(around_first, |Bounds { min, max }, p| Bounds {
+        min: MapPoint::new(min.x.min(p.x), min.y.min(p.y)),
+        max: MapPoint::new(max.x.max(p.x), max.y.max(p.y)),
+    }))
 }
 
 fn path(out: &mut String, class: &str, commands: &str) {
@@ -181,7 +189,7 @@ fn draw_world(out: &mut String, view: &View, world: &WorldMap) {
 /// A name is centred in the visible part of the bounding box of its building.
 fn draw_names(out: &mut String, view: &View, world: &WorldMap) {
     for building in world.buildings.iter().filter(|b| view.shows(&b.outline)) {
-        let (Some(name), Some((min, max))) =
+        let (Some(name), Some(Bounds { min, max })) =
             (&building.name, bounds(building.outline.iter().copied()))
         else {
             continue;
@@ -296,7 +304,28 @@ fn declaration(out: &mut String, view: &View, declared: &Declaration) {
 /// earlier label, or not at all.
 #[derive(Default)]
 struct Labels {
-    taken: Vec<[f64; 4]>,
+    taken: Vec<LabelBox>,
+}
+
+/// The place of a label in the picture, pixels.
+#[derive(Clone, Copy)]
+struct LabelBox {
+    left: f64,
+    top: f64,
+    right: f64,
+    bottom: f64,
+}
+
+impl LabelBox {
+    fn is_inside(&self, view: &View) -> bool {
+        let is_wide_enough = self.left >= 0.0 && self.right <= WIDTH_PX;
+        is_wide_enough && self.top >= 0.0 && self.bottom <= view.height
+    }
+
+    fn overlaps(&self, other: &Self) -> bool {
+        let in_x = self.left < other.right && other.left < self.right;
+        in_x && self.top < other.bottom && other.top < self.bottom
+    }
 }
 
 impl Labels {
@@ -314,15 +343,18 @@ impl Labels {
             (-width / 2.0, -16.0),
             (-width / 2.0, 24.0),
         ];
-        let boxes = places.map(|(dx, dy)| [x + dx, y + dy - 12.0, x + dx + width, y + dy + 4.0]);
-        let inside =
-            |b: &&[f64; 4]| b[0] >= 0.0 && b[2] <= WIDTH_PX && b[1] >= 0.0 && b[3] <= view.height;
+        let boxes = places.map(|(dx, dy)| LabelBox {
+            left: x + dx,
+            top: y + dy - 12.0,
+            right: x + dx + width,
+            bottom: y + dy + 4.0,
+        });
         let free = boxes
             .iter()
-            .filter(inside)
-            .find(|b| !self.taken.iter().any(|t| overlap(t, b)));
+            .filter(|label| label.is_inside(view))
+            .find(|label| !self.taken.iter().any(|taken| taken.overlaps(label)));
         if let Some(b) = free {
-            let (x, y) = (b[0], b[1] + 12.0);
+            let (x, y) = (b.left, b.top + 12.0);
             let _ = writeln!(
                 out,
                 "<text class=\"label\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>",
@@ -331,10 +363,6 @@ impl Labels {
             self.taken.push(*b);
         }
     }
-}
-
-fn overlap(a: &[f64; 4], b: &[f64; 4]) -> bool {
-    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
 /// Approximate width of a label in pixels; East Asian characters are about twice as wide.
@@ -378,11 +406,18 @@ fn north_arrow(out: &mut String) {
     );
 }
 
+/// The line of a path in the legend.
+fn line(class: &str) -> String {
+    format!("<path class=\"{class}\" d=\"M1 10H27\"/>")
+}
+
+/// The sign of a mark in the legend.
+fn sign(class: &str, shape: &str) -> String {
+    format!("<g class=\"{class}\" transform=\"translate(14 10)\">{shape}</g>")
+}
+
+/// Explains what the map has, and nothing else.
 fn legend(out: &mut String, episode: &EpisodeReport) {
-    let line = |class: &str| format!("<path class=\"{class}\" d=\"M1 10H27\"/>");
-    let sign = |class: &str, shape: &str| {
-        format!("<g class=\"{class}\" transform=\"translate(14 10)\">{shape}</g>")
-    };
     let missed = episode.declared.iter().any(|d| !d.success);
     let other = episode.true_doors.iter().any(|d| !d.wanted);
     let wanted = episode.true_doors.iter().any(|d| d.wanted);

@@ -16,6 +16,7 @@
 pub mod drift;
 pub mod frames;
 pub mod from_run;
+mod headline;
 pub mod html;
 pub mod input;
 pub mod map;

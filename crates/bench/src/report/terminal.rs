@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::headline::{self, Headline};
 use super::html::{number, percent};
 use crate::plural::count;
 use crate::score::results::{DeliveryResult, Metrics, Results};
@@ -92,37 +93,19 @@ fn rate(m: &Metrics, key: &str, value: Option<f64>) -> String {
     format!("{} %{}", percent(value), interval.unwrap_or_default())
 }
 
-/// A line with the metrics of one criterion: label, key and value of each.
-fn rates(out: &mut String, m: &Metrics, name: &str, metrics: [(&str, &str, Option<f64>); 4]) {
-    let columns =
-        metrics.map(|(label, key, value)| format!("  {label} {}", pad(&rate(m, key, value), 16)));
+/// A line with the metrics of one criterion.
+fn rates(out: &mut String, m: &Metrics, name: &str, metrics: [Headline; 4]) {
+    let columns = metrics.map(|Headline { label, key, value }| {
+        let rate = pad(&rate(m, key, value), 16);
+        format!("  {label} {rate}")
+    });
     let line = format!("{name:<7}{}", columns.concat());
     let _ = writeln!(out, "{}", line.trim_end());
 }
 
 fn summary(out: &mut String, m: &Metrics) {
-    rates(
-        out,
-        m,
-        "paper",
-        [
-            ("SR", "sr_10m", m.sr_10m),
-            ("SPL", "spl_straight", m.spl_straight),
-            ("LSR", "lsr_10m", m.lsr_10m),
-            ("LSPL", "lspl_straight", m.lspl_straight),
-        ],
-    );
-    rates(
-        out,
-        m,
-        "strict",
-        [
-            ("SR", "sr_2m", m.sr_2m),
-            ("SPL", "spl", m.spl),
-            ("LSR", "lsr", m.lsr),
-            ("LSPL", "lspl", m.lspl),
-        ],
-    );
+    rates(out, m, "paper", headline::paper(m));
+    rates(out, m, "strict", headline::strict(m));
     let unit = rate(m, "correct_unit", m.correct_unit);
     let srtp = m
         .srtp

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::headline::{self, Headline};
 use super::html::{escape, number, percent};
 use crate::score::results::{Metrics, Results};
 
@@ -9,50 +10,32 @@ use crate::score::results::{Metrics, Results};
 pub fn render(out: &mut String, results: &Results) {
     let m = &results.metrics;
     out.push_str("<section>\n<h2>Results</h2>\n<div class=\"readings\">\n");
-    let paper = [
-        ("SR", "sr_10m", m.sr_10m),
-        ("SPL", "spl_straight", m.spl_straight),
-        ("LSR", "lsr_10m", m.lsr_10m),
-        ("LSPL", "lspl_straight", m.lspl_straight),
-    ];
-    let strict = [
-        ("SR", "sr_2m", m.sr_2m),
-        ("SPL", "spl", m.spl),
-        ("LSR", "lsr", m.lsr),
-        ("LSPL", "lspl", m.lspl),
-    ];
     reading(
         out,
         m,
         "Paper",
         "within 10 m of the plate, straight lines",
-        &paper,
+        &headline::paper(m),
     );
     reading(
         out,
         m,
         "Strict",
         "within 2 m of the correct door, drivable paths",
-        &strict,
+        &headline::strict(m),
     );
     out.push_str("</div>\n");
     facts(out, results);
     out.push_str("</section>\n");
 }
 
-fn reading(
-    out: &mut String,
-    metrics: &Metrics,
-    name: &str,
-    definition: &str,
-    tiles: &[(&str, &str, Option<f64>)],
-) {
+fn reading(out: &mut String, metrics: &Metrics, name: &str, definition: &str, tiles: &[Headline]) {
     let _ = write!(
         out,
         "<div class=\"reading\">\n<p class=\"reading-name\"><b>{name}</b> \
          <span>{definition}</span></p>\n<div class=\"tiles\">\n"
     );
-    for (label, key, value) in tiles {
+    for Headline { label, key, value } in tiles {
         tile(out, label, *value, metrics.intervals.get(*key));
     }
     out.push_str("</div>\n</div>\n");

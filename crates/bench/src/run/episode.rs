@@ -4,7 +4,7 @@ use openbench_core::{Agent, Event};
 
 use crate::BenchError;
 use crate::run::rollout::{Rollout, Status};
-use crate::run::trace::EpisodeTrace;
+use crate::trace::EpisodeTrace;
 
 /// Lets an agent drive an episode to its end.
 ///

@@ -1,70 +1,24 @@
 //! All episodes of a suite, on several threads; the results do not depend on their number.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
-use openbench_core::ModelUse;
 use openbench_models::Exchanges;
-use openbench_osm::{OsmData, OsmError, merge_entrances, write_atomically};
 
 use crate::BenchError;
-use crate::report;
-use crate::report::from_run::report_input;
 use crate::run::episode::run_episode;
-use crate::run::recorder::{Level, Recorder};
-use crate::run::recording::{Recording, RunRecord};
-use crate::run::registry::{AgentFactory, AgentRequest};
+use crate::run::folder::{create_folder, exchanges_path, log_path, write_files};
+use crate::run::output::{MachineTimes, RunOutput};
+use crate::run::recorder::Recorder;
+use crate::run::recording::Recording;
+use crate::run::registry::AgentRequest;
+use crate::run::request::RunRequest;
 use crate::run::rollout::Rollout;
 use crate::run::threads;
-use crate::run::trace::EpisodeTrace;
 use crate::run::truth::TruthHandle;
-use crate::score::deliveries;
-use crate::score::metrics::localization::localization;
-use crate::score::metrics::{ErrorCounts, RunTotals, summarize};
-use crate::score::results::Results;
-use crate::worlds::Prepared;
-
-/// Name of the file, in a run's folder, with the doors known before the run.
-pub const MEMORY_BEFORE: &str = "memory-before.osm";
-
-/// A run: suite, agent and options.
-pub struct RunRequest<'a> {
-    /// The suite with its world loaded.
-    pub prepared: &'a Prepared,
-    /// Name of the agent, for the results.
-    pub agent: &'a str,
-    /// The factory of the agent.
-    pub factory: &'a dyn AgentFactory,
-    /// The agent's settings (`--set KEY=VALUE`).
-    pub settings: &'a BTreeMap<String, String>,
-    /// Seed of all random numbers of the run.
-    pub seed: u64,
-    /// Number of threads.
-    pub jobs: usize,
-    /// The content of the logs.
-    pub level: Level,
-    /// Folder for all files of the run; `None` writes nothing.
-    pub out: Option<&'a Path>,
-    /// A map with the doors found in earlier runs.
-    pub memory: Option<&'a OsmData>,
-    /// The command line, for the report.
-    pub command: &'a str,
-    /// Called after each episode with the number of finished episodes.
-    pub progress: &'a (dyn Fn(usize) + Sync),
-}
-
-/// The output of a run.
-#[derive(Debug)]
-pub struct RunOutput {
-    /// The results.
-    pub results: Results,
-    /// The public map with every door that was found in this run or known before it.
-    pub memory: OsmData,
-    /// Errors of all poses that the agent reported.
-    pub pose_errors: ErrorCounts,
-}
+use crate::trace::EpisodeTrace;
 
 /// Runs all episodes of a suite and writes the run's files.
 ///
@@ -75,74 +29,39 @@ pub struct RunOutput {
 pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     let began = Instant::now();
     if let Some(out) = request.out {
-        let folder = out.join("episodes");
-        std::fs::create_dir_all(&folder).map_err(|e| BenchError::file(&folder, e))?;
-        clear(out)?;
+        create_folder(out)?;
     }
     // CPU time of the whole process: plate readers may have threads of their own.
     let cpu = ProcessTime::now();
-    let traces = run_all(request)?;
-    let results = results(
-        request,
-        &traces,
-        began.elapsed().as_secs_f64(),
-        cpu.elapsed().as_secs_f64(),
-    );
-    if let Some(out) = request.out {
-        write_files(request, out, &traces, &results)?;
-    }
-    let pose_errors = ErrorCounts::of(traces.iter().flat_map(|t| &t.pose_errors));
-    Ok(RunOutput {
-        memory: merged_memory(request, &traces),
-        results,
-        pose_errors,
-    })
-}
-
-/// Removes the files of an earlier run from a folder, and nothing else. An interrupted run must not
-/// leave a mixture of two runs.
-fn clear(out: &Path) -> Result<(), BenchError> {
-    let remove = |path: PathBuf| match std::fs::remove_file(&path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(BenchError::file(&path, e)),
-        _ => Ok(()),
+    let traces = for_each_episode(request, |number| run_one(request, number))?;
+    let times = MachineTimes {
+        wall_seconds: began.elapsed().as_secs_f64(),
+        cpu_seconds: cpu.elapsed().as_secs_f64(),
     };
-    for name in ["results.json", "report.html", "run.json", MEMORY_BEFORE] {
-        remove(out.join(name))?;
+    let output = RunOutput::new(request, &traces, times);
+    if let Some(out) = request.out {
+        write_files(request, out, &traces, &output.results)?;
     }
-    let folder = out.join("episodes");
-    for entry in std::fs::read_dir(&folder).map_err(|e| BenchError::file(&folder, e))? {
-        let path = entry.map_err(|e| BenchError::file(&folder, e))?.path();
-        let name = path
-            .file_name()
-            .and_then(|n| n.to_str())
-            .unwrap_or_default();
-        let (number, kind) = name.split_once('.').unwrap_or_default();
-        let numbered = number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit());
-        if numbered && ["mcap", "osm", "actions.json", "models.jsonl"].contains(&kind) {
-            remove(path)?;
-        }
-    }
-    Ok(())
+    Ok(output)
 }
 
-fn run_all(request: &RunRequest<'_>) -> Result<Vec<EpisodeTrace>, BenchError> {
-    let count = request.prepared.episodes.len();
+/// Does `work` for the number of each episode, on the threads of the request, and reports progress.
+fn for_each_episode<T: Send>(
+    request: &RunRequest<'_>,
+    work: impl Fn(usize) -> Result<T, BenchError> + Sync,
+) -> Result<Vec<T>, BenchError> {
+    let numbers = 0..request.prepared.episodes.len();
     let mut finished = 0;
-    let collect = |trace| {
+    threads::each(numbers, request.jobs, work, |outcome| {
         finished += 1;
         (request.progress)(finished);
-        Ok(trace)
-    };
-    threads::each(
-        0..count,
-        request.jobs,
-        |number| run_one(request, number),
-        collect,
-    )
+        Ok(outcome)
+    })
 }
 
 /// The seed of an episode.
 fn episode_seed(seed: u64, number: usize) -> u64 {
+    // 2^64 divided by the golden ratio: the episodes of nearby seeds share no seed.
     seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
         .wrapping_add(number as u64)
 }
@@ -175,35 +94,16 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
 /// # Errors
 /// [`BenchError::Differs`] with the first step that differs.
 pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
-    let one = |number: usize| {
-        let recording = Recording::read(run, number)?;
-        let exchanges = Exchanges::Repeat(exchanges_path(run, number));
-        let trace = drive(request, number, exchanges, &mut Recorder::none())?;
-        recording.compare(
-            number,
-            &Recording::of(&trace, episode_seed(request.seed, number)),
-        )
-    };
-    let mut finished = 0;
-    let collect = |()| {
-        finished += 1;
-        (request.progress)(finished);
-        Ok(())
-    };
-    let numbers = 0..request.prepared.episodes.len();
-    threads::each(numbers, request.jobs, one, collect).map(|_: Vec<()>| ())
+    for_each_episode(request, |number| repeat_one(request, run, number))?;
+    Ok(())
 }
 
-/// The map of earlier doors with which the agents of a recorded run started; `None` if it had none.
-///
-/// # Errors
-/// [`BenchError::BadFile`] if the map cannot be read.
-pub fn memory_of(run: &Path) -> Result<Option<OsmData>, BenchError> {
-    let path = run.join(MEMORY_BEFORE);
-    let bad = |e: OsmError| BenchError::bad_file(&path, e);
-    path.exists()
-        .then(|| OsmData::read(&path).map_err(bad))
-        .transpose()
+fn repeat_one(request: &RunRequest<'_>, run: &Path, number: usize) -> Result<(), BenchError> {
+    let recording = Recording::read(run, number)?;
+    let exchanges = Exchanges::Repeat(exchanges_path(run, number));
+    let trace = drive(request, number, exchanges, &mut Recorder::none())?;
+    let repeated = Recording::of(&trace, episode_seed(request.seed, number));
+    recording.compare(number, &repeated)
 }
 
 fn drive(
@@ -229,8 +129,8 @@ fn drive(
             source,
         })?;
     let rollout = Rollout::new(request.prepared, number, seed)?
-        .watched_by(truth)
-        .watched_by(recorder);
+        .with_observer(truth)
+        .with_observer(recorder);
     run_episode(rollout, agent.as_mut())
 }
 
@@ -248,104 +148,6 @@ fn requested_truth(settings: &BTreeMap<String, String>, truth: &TruthHandle) -> 
     } else {
         TruthHandle::default()
     }
-}
-
-/// The file with the models' answers in an episode.
-fn exchanges_path(out: &Path, number: usize) -> PathBuf {
-    out.join("episodes")
-        .join(format!("{number:03}.models.jsonl"))
-}
-
-fn log_path(out: &Path, number: usize) -> PathBuf {
-    out.join("episodes").join(format!("{number:03}.mcap"))
-}
-
-fn results(
-    request: &RunRequest<'_>,
-    traces: &[EpisodeTrace],
-    wall_seconds: f64,
-    cpu_seconds: f64,
-) -> Results {
-    let prepared = request.prepared;
-    let pairs = prepared.episodes.iter().zip(traces).enumerate();
-    let deliveries: Vec<_> = pairs
-        .flat_map(|(i, (episode, trace))| deliveries::score_episode(prepared, i, episode, trace))
-        .collect();
-    let totals = RunTotals {
-        sim_seconds: traces.iter().map(|t| t.sim_seconds).sum(),
-        wall_seconds,
-        cpu_seconds,
-        instructions: deliveries::understood(prepared, traces),
-        localization: localization(traces.iter().map(|t| &t.pose_errors[..])),
-        seed: request.seed,
-    };
-    Results {
-        suite: prepared.suite.name.clone(),
-        agent: request.agent.to_owned(),
-        seed: request.seed,
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        settings: request.settings.clone(),
-        traffic: prepared.suite.traffic,
-        metrics: summarize(&deliveries, &totals),
-        deliveries,
-        models: Some(model_use(traces)).filter(|used| used.calls > 0),
-        doors: deliveries::score_written_doors(prepared, traces),
-        attribution: prepared.world.attribution.clone(),
-    }
-}
-
-fn model_use(traces: &[EpisodeTrace]) -> ModelUse {
-    traces
-        .iter()
-        .fold(ModelUse::default(), |sum, trace| sum.plus(trace.models))
-}
-
-fn write_files(
-    request: &RunRequest<'_>,
-    out: &Path,
-    traces: &[EpisodeTrace],
-    results: &Results,
-) -> Result<(), BenchError> {
-    let write = |path: PathBuf, bytes: &[u8]| {
-        write_atomically(&path, bytes).map_err(|e| BenchError::bad_file(&path, e))
-    };
-    for (number, trace) in traces.iter().enumerate() {
-        if let Some(map) = &trace.map {
-            write(out.join("episodes").join(format!("{number:03}.osm")), map)?;
-        }
-    }
-    if let Some(memory) = request.memory {
-        write(out.join(MEMORY_BEFORE), &memory.to_xml())?;
-    }
-    let record = RunRecord {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        suite: request.prepared.suite.clone(),
-        agent: request.agent.to_owned(),
-        settings: request.settings.clone(),
-        seed: request.seed,
-        episodes: traces.len(),
-        truth: request.prepared.truth.clone(),
-    };
-    record.write(out)?;
-    let input = report_input(request.prepared, results, traces, request.command);
-    write(out.join("report.html"), report::render(&input).as_bytes())?;
-    Ok(results.write(&out.join("results.json"))?)
-}
-
-/// The public map with the doors known before and those found in each episode, in the order of the
-/// episodes.
-fn merged_memory(request: &RunRequest<'_>, traces: &[EpisodeTrace]) -> OsmData {
-    let mut merged = request.prepared.world.map.clone();
-    if let Some(memory) = request.memory {
-        merge_entrances(&mut merged, memory);
-    }
-    let maps = traces
-        .iter()
-        .filter_map(|t| OsmData::from_bytes(t.map.as_deref()?).ok());
-    for map in maps {
-        merge_entrances(&mut merged, &map);
-    }
-    merged
 }
 
 #[cfg(test)]

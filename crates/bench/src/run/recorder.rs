@@ -62,8 +62,17 @@ const MOVERS_PERIOD_NS: u64 = 200_000_000;
 pub struct Faults {
     /// An interval, its end excluded, without IMU samples and without scans.
     pub gap: Option<[SimTime; 2]>,
-    /// Limits of the IMU's measurement range: angular rate, rad/s, and acceleration, m/s².
-    pub imu_range: Option<[f64; 2]>,
+    /// The IMU's measurement range; unlimited by default.
+    pub imu_range: Option<ImuRange>,
+}
+
+/// The largest values that an IMU measures; it reports these for larger ones.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImuRange {
+    /// Angular rate about each axis, rad/s.
+    pub rate: f64,
+    /// Acceleration along each axis, m/s².
+    pub acceleration: f64,
 }
 
 impl Faults {
@@ -72,16 +81,24 @@ impl Faults {
             .is_some_and(|[from, until]| (from..until).contains(&stamp))
     }
 
+    /// What a faulty IMU reports for a sample; `None` in the gap.
     fn imu(&self, sample: ImuSample) -> Option<ImuSample> {
-        let [max_rate, max_accel] = self.imu_range.unwrap_or([f64::INFINITY; 2]);
-        let saturated = |v: [f64; 3], max: f64| v.map(|x| x.clamp(-max, max));
-        let measured = ImuSample {
-            gyro: saturated(sample.gyro, max_rate),
-            accel: saturated(sample.accel, max_accel),
-            ..sample
+        if self.hides(sample.stamp) {
+            return None;
+        }
+        let Some(range) = self.imu_range else {
+            return Some(sample);
         };
-        (!self.hides(sample.stamp)).then_some(measured)
+        Some(ImuSample {
+            gyro: saturated(sample.gyro, range.rate),
+            accel: saturated(sample.accel, range.acceleration),
+            ..sample
+        })
     }
+}
+
+fn saturated(measured: [f64; 3], max: f64) -> [f64; 3] {
+    measured.map(|value| value.clamp(-max, max))
 }
 
 /// Writes the states and events of an episode into a log.
@@ -178,14 +195,13 @@ impl Recorder {
             return Ok(());
         };
         let header = || Header::new(time, "map");
-        let say = |text: String| StringMessage(text);
         match event {
             Event::Plan(plan) => log.write(
                 "/plan",
                 time,
-                &say(serde_json::to_string(plan).unwrap_or_default()),
+                &StringMessage(serde_json::to_string(plan).unwrap_or_default()),
             ),
-            Event::Task(address) => log.write("/task", time, &say(address.to_string())),
+            Event::Task(address) => log.write("/task", time, &StringMessage(address.to_string())),
             Event::Route(points) => log.write("/route", time, &PathMessage::over(header(), points)),
             Event::Path(points) => log.write("/path", time, &PathMessage::over(header(), points)),
             Event::PoseEstimate(estimate) => {
@@ -208,7 +224,11 @@ impl Recorder {
                 image,
                 ..
             } => {
-                log.write("/plate", time, &say(format!("{text} ({confidence:.2})")))?;
+                log.write(
+                    "/plate",
+                    time,
+                    &StringMessage(format!("{text} ({confidence:.2})")),
+                )?;
                 log.write(
                     "/camera/image/compressed",
                     time,
@@ -218,9 +238,11 @@ impl Recorder {
                     ),
                 )
             }
-            Event::DoorWritten { address, position } => {
-                log.write("/door", time, &say(format!("{address} at {position}")))
-            }
+            Event::DoorWritten { address, position } => log.write(
+                "/door",
+                time,
+                &StringMessage(format!("{address} at {position}")),
+            ),
             Event::Models(used) => {
                 // Without the latency, which differs from run to run.
                 let ModelUse {
@@ -234,9 +256,9 @@ impl Recorder {
                     "{calls} calls, {failed} failed, {prompt_tokens} prompt tokens, \
                      {completion_tokens} completion tokens"
                 );
-                log.write("/models", time, &say(text))
+                log.write("/models", time, &StringMessage(text))
             }
-            Event::Note(text) => log.write("/note", time, &say(text.clone())),
+            Event::Note(text) => log.write("/note", time, &StringMessage(text.clone())),
         }
     }
 
@@ -326,5 +348,85 @@ fn thinned(scan: &LidarScan) -> LidarScan {
             .step_by(THIN_POINT_STRIDE)
             .copied()
             .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::worlds::{Prepared, builtin_suite};
+    use openbench_logs::LogReader;
+    use std::collections::BTreeMap;
+
+    fn sample(ms: u64) -> ImuSample {
+        ImuSample {
+            stamp: SimTime::from_millis(ms),
+            gyro: [3.0, -3.0, 0.5],
+            accel: [0.0, 20.0, -9.81],
+        }
+    }
+
+    #[test]
+    fn samples_are_hidden_in_the_gap_and_limited_to_the_range() {
+        let intact = Faults::default();
+        assert_eq!(intact.imu(sample(0)), Some(sample(0)));
+        let faults = Faults {
+            gap: Some([SimTime::from_millis(100), SimTime::from_millis(200)]),
+            imu_range: Some(ImuRange {
+                rate: 2.0,
+                acceleration: 10.0,
+            }),
+        };
+        assert_eq!(faults.imu(sample(100)), None);
+        let limited = faults.imu(sample(200)).unwrap();
+        assert_eq!(limited.gyro, [2.0, -2.0, 0.5]);
+        assert_eq!(limited.accel, [0.0, 10.0, -9.81]);
+    }
+
+    /// Number of messages by topic in the log of two seconds.
+    fn recorded(level: Level) -> BTreeMap<String, usize> {
+        let prepared = Prepared::world_of(builtin_suite("small").unwrap()).unwrap();
+        let mut simulator = prepared.simulator(1).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.mcap");
+        let georeference = prepared.world.georeference;
+        let mut recorder = Recorder::create(&path, level, georeference).unwrap();
+        for _ in 0..40 {
+            simulator.step(Velocity::ZERO);
+            recorder.step(&simulator, Velocity::ZERO).unwrap();
+        }
+        let note = Event::Note("done".into());
+        recorder.event(simulator.time(), &note).unwrap();
+        recorder.finish().unwrap();
+        let mut counts = BTreeMap::new();
+        if path.exists() {
+            for message in LogReader::open(&path).unwrap() {
+                let topic = message.unwrap().topic.to_string();
+                *counts.entry(topic).or_default() += 1;
+            }
+        }
+        counts
+    }
+
+    #[test]
+    fn a_thin_log_has_poses_events_and_every_fifth_scan() {
+        let counts = recorded(Level::Thin);
+        assert_eq!(counts["/ground_truth/odom"], 40);
+        assert_eq!(counts["/note"], 1);
+        assert_eq!(counts["/livox/lidar"], 4);
+        assert!(!counts.contains_key("/livox/imu"), "{counts:?}");
+    }
+
+    #[test]
+    fn a_full_log_has_every_sample() {
+        let counts = recorded(Level::Full);
+        // Two seconds of 10 scans and 100 samples a second, but for the last scan, which is due.
+        assert!((19..=20).contains(&counts["/livox/lidar"]), "{counts:?}");
+        assert!((199..=200).contains(&counts["/livox/imu"]), "{counts:?}");
+    }
+
+    #[test]
+    fn no_log_is_written_without_a_level() {
+        assert!(recorded(Level::None).is_empty());
     }
 }

@@ -9,8 +9,8 @@ use sha2::{Digest, Sha256};
 
 use crate::BenchError;
 use crate::run::rollout::Rollout;
-use crate::run::trace::EpisodeTrace;
 use crate::suite::Suite;
+use crate::trace::{EpisodeTrace, TaskOutcome};
 use crate::worlds::Prepared;
 
 /// Simulated time of a step.
@@ -199,22 +199,36 @@ fn describe(velocity: Option<&Velocity>) -> String {
 /// SHA-256 over plan, outcomes and map, each preceded by its length.
 fn deeds(trace: &EpisodeTrace) -> String {
     let mut hasher = Sha256::new();
-    let mut part = |bytes: &[u8]| {
-        hasher.update((bytes.len() as u64).to_le_bytes());
-        hasher.update(bytes);
-    };
-    part(&serde_json::to_vec(&trace.plan).unwrap_or_default());
+    update_with_length(
+        &mut hasher,
+        &serde_json::to_vec(&trace.plan).unwrap_or_default(),
+    );
     for task in &trace.tasks {
-        part(
-            format!(
-                "{} {} {:?} {:?}",
-                task.target, task.declared, task.ended, task.failure
-            )
-            .as_bytes(),
-        );
+        update_with_length(&mut hasher, describe_outcome(task).as_bytes());
     }
-    part(trace.map.as_deref().unwrap_or_default());
+    update_with_length(&mut hasher, trace.map.as_deref().unwrap_or_default());
     hex(&hasher.finalize())
+}
+
+/// Without the lengths, different parts could be concatenated to the same bytes.
+fn update_with_length(hasher: &mut Sha256, part: &[u8]) {
+    hasher.update((part.len() as u64).to_le_bytes());
+    hasher.update(part);
+}
+
+/// The outcome of a delivery as it is hashed.
+///
+/// The description of a failure is part of it, so another wording gives another hash. Recordings
+/// are compared within one version only, where an agent that repeats repeats its words too.
+fn describe_outcome(task: &TaskOutcome) -> String {
+    let failure = task.failure.as_ref().map(|f| (f.cause, &f.detail));
+    let TaskOutcome {
+        target,
+        declared,
+        ended,
+        ..
+    } = task;
+    format!("{target} {declared} {ended:?} {failure:?}")
 }
 
 fn hex(bytes: &[u8]) -> String {

@@ -14,10 +14,10 @@ use openbench_sim::traffic::Encounters;
 use openbench_sim::{OBSERVATION_NS, Simulator};
 
 use super::observer::Observer;
-use super::trace::{EpisodeTrace, Frame, PlateRead, TaskOutcome};
 use crate::BenchError;
-use crate::score::metrics::PoseError;
-use crate::score::metrics::Smoothness;
+use crate::trace::{
+    EpisodeTrace, Failure, Frame, PlacedDoor, PlateRead, PoseError, Smoothness, TaskOutcome,
+};
 use crate::worlds::{Prepared, PreparedEpisode};
 
 /// Images with plates that are kept for the report of an episode; each has about a megabyte.
@@ -93,7 +93,7 @@ impl<'o> Rollout<'o> {
 
     /// The same rollout with one more observer.
     #[must_use]
-    pub fn watched_by(mut self, mut observer: impl Observer + 'o) -> Self {
+    pub fn with_observer(mut self, mut observer: impl Observer + 'o) -> Self {
         let begun = observer.begin(&self.simulator);
         self.keep_error(begun);
         self.observers.push(Box::new(observer));
@@ -140,8 +140,8 @@ impl<'o> Rollout<'o> {
                 // A door that is written again replaces the earlier one.
                 self.trace
                     .doors
-                    .retain(|(known, _)| !known.same_door(&address));
-                self.trace.doors.push((address, position));
+                    .retain(|known| !known.address.same_door(&address));
+                self.trace.doors.push(PlacedDoor { address, position });
             }
             Event::PlateRead {
                 text,
@@ -286,7 +286,8 @@ impl<'o> Rollout<'o> {
             .any(|outcome| self.names(outcome.target, address));
         if let Some(&target) = open.first().filter(|_| !again) {
             let detail = format!("{address} was declared, which the instruction does not name");
-            self.end(target, false, Some((FailureCause::WrongPlace, detail)));
+            let cause = FailureCause::WrongPlace;
+            self.end(target, false, Some(Failure { cause, detail }));
         }
     }
 
@@ -297,17 +298,22 @@ impl<'o> Rollout<'o> {
         };
         let open = self.open_targets();
         if let Some(&target) = open.iter().find(|target| self.names(**target, address)) {
-            self.end(target, false, Some((give_up.cause, give_up.detail.clone())));
+            let failure = Failure {
+                cause: give_up.cause,
+                detail: give_up.detail.clone(),
+            };
+            self.end(target, false, Some(failure));
         }
     }
 
     fn fail_open_targets(&mut self, cause: FailureCause, detail: &str) {
         for target in self.open_targets() {
-            self.end(target, false, Some((cause, detail.to_owned())));
+            let detail = detail.to_owned();
+            self.end(target, false, Some(Failure { cause, detail }));
         }
     }
 
-    fn end(&mut self, target: usize, declared: bool, failure: Option<(FailureCause, String)>) {
+    fn end(&mut self, target: usize, declared: bool, failure: Option<Failure>) {
         let (now, here) = (self.simulator.time(), self.pose().point());
         let collisions = self.simulator.collisions();
         let next = Task {

@@ -14,7 +14,13 @@ use crate::BenchError;
 
 /// Shared access to the true poses of the last second.
 #[derive(Debug, Clone, Default)]
-pub struct TruthHandle(Arc<Mutex<VecDeque<(SimTime, Pose2)>>>);
+pub struct TruthHandle(Arc<Mutex<VecDeque<TimedPose>>>);
+
+#[derive(Debug, Clone, Copy)]
+struct TimedPose {
+    time: SimTime,
+    pose: Pose2,
+}
 
 /// Number of stored poses: one second at 20 Hz.
 const MAX_POSES: usize = 20;
@@ -23,7 +29,7 @@ impl TruthHandle {
     /// Stores the true pose of an instant.
     pub fn set(&self, time: SimTime, pose: Pose2) {
         let mut poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        poses.push_back((time, pose));
+        poses.push_back(TimedPose { time, pose });
         if poses.len() > MAX_POSES {
             poses.pop_front();
         }
@@ -33,17 +39,21 @@ impl TruthHandle {
     /// interval the nearest one.
     pub(crate) fn at(&self, time: SimTime) -> Pose2 {
         let poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let after = poses.partition_point(|(t, _)| *t < time);
+        let after = poses.partition_point(|known| known.time < time);
         let before = after.checked_sub(1).and_then(|i| poses.get(i));
         match (before, poses.get(after)) {
-            (Some((t0, a)), Some((t1, b))) => {
-                let s = time.since(*t0).as_secs_f64() / t1.since(*t0).as_secs_f64();
-                let yaw = wrap_angle(a.yaw + s * wrap_angle(b.yaw - a.yaw));
-                Pose2::new(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), yaw)
-            }
-            (one, other) => one.or(other).map(|p| p.1).unwrap_or_default(),
+            (Some(before), Some(after)) => interpolated(before, after, time),
+            (one, other) => one.or(other).map(|known| known.pose).unwrap_or_default(),
         }
     }
+}
+
+fn interpolated(before: &TimedPose, after: &TimedPose, time: SimTime) -> Pose2 {
+    let (a, b) = (before.pose, after.pose);
+    let elapsed = time.since(before.time).as_secs_f64();
+    let s = elapsed / after.time.since(before.time).as_secs_f64();
+    let yaw = wrap_angle(a.yaw + s * wrap_angle(b.yaw - a.yaw));
+    Pose2::new(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), yaw)
 }
 
 /// Stores the true pose of each step.

@@ -1,15 +1,15 @@
 //! From the trace of an episode to the results of its deliveries.
 
-use openbench_core::{Address, FailureCause, MapPoint};
+use openbench_core::{Address, FailureCause, MapPoint, Plan};
 use openbench_osm::OsmMap;
-use openbench_scene::Door;
 
-use crate::run::trace::{EpisodeTrace, TaskOutcome};
 use crate::score::metrics::{
     DoorScore, EncounterSum, Strict, collisions, paper_success, score_doors,
 };
 use crate::score::results::DeliveryResult;
-use crate::worlds::{Prepared, PreparedEpisode};
+use crate::score::statistics::Proportion;
+use crate::trace::{EpisodeTrace, Failure, PlacedDoor, TaskOutcome};
+use crate::worlds::{Prepared, PreparedEpisode, Target};
 
 /// The results of an episode's deliveries, in the order in which they ended.
 pub fn score_episode(
@@ -49,6 +49,7 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -
         .zip(door)
         .map_or(Strict::NOT_DECLARED, |(at, door)| judge(prepared, at, door));
     let failure = failure(outcome, &strict);
+    let collisions = outcome.collisions.iter();
     DeliveryResult {
         episode: 0,
         task: 0,
@@ -65,34 +66,30 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -
         sim_seconds: outcome.ended.since(outcome.began).as_secs_f64(),
         smoothness: outcome.smoothness,
         collisions: outcome.collisions.len(),
-        collisions_by_class: collisions::by_class(
-            outcome
-                .collisions
-                .iter()
-                .map(|c| (c.class.name(), c.into())),
-        ),
+        collisions_by_class: collisions::by_class(collisions.map(|c| (c.class.name(), c.into()))),
         encounters: outcome.encounters.map(EncounterSum::from),
         declared_at,
         pose_error_m: outcome.pose_error_m,
         plates_read: outcome.plates_read,
-        failure: failure.as_ref().map(|f| f.0),
-        failure_detail: failure.map(|f| f.1),
+        failure: failure.as_ref().map(|failure| failure.cause),
+        failure_detail: failure.map(|failure| failure.detail),
     }
 }
 
-fn failure(outcome: &TaskOutcome, strict: &Strict) -> Option<(FailureCause, String)> {
-    let misplaced = || {
-        let detail = if strict.correct_unit {
-            "declared more than 2 m from the door's approach point"
-        } else {
-            "declared nearer to another door's approach point"
-        };
-        (FailureCause::WrongPlace, detail.to_owned())
+/// The failure of a delivery by the strict criterion; `None` if it succeeded.
+fn failure(outcome: &TaskOutcome, strict: &Strict) -> Option<Failure> {
+    if outcome.failure.is_some() || strict.success {
+        return outcome.failure.clone();
+    }
+    let detail = if strict.correct_unit {
+        "declared more than 2 m from the door's approach point"
+    } else {
+        "declared nearer to another door's approach point"
     };
-    outcome
-        .failure
-        .clone()
-        .or_else(|| (!strict.success).then(misplaced))
+    Some(Failure {
+        cause: FailureCause::WrongPlace,
+        detail: detail.to_owned(),
+    })
 }
 
 /// Judges a declaration by geodesic distances. Doors whose straight-line distance already exceeds
@@ -101,77 +98,89 @@ fn judge(prepared: &Prepared, at: MapPoint, door: usize) -> Strict {
     let Some(at) = prepared.free_space.nearest_reachable(at, 1.0) else {
         return Strict::NOT_DECLARED;
     };
-    let distance_to = |door: usize| {
-        let approach = prepared.approach[door]?;
-        prepared.free_space.distance(at, approach)
-    };
-    let Some(correct) = distance_to(door) else {
+    let Some(correct) = geodesic_distance(prepared, at, door) else {
         return Strict::NOT_DECLARED;
     };
-    let others = (0..prepared.approach.len()).filter(|&d| d != door);
-    let near = others.filter(|&d| prepared.approach[d].is_some_and(|a| a.distance(at) < correct));
-    let others: Vec<f64> = near.filter_map(distance_to).collect();
+    let others: Vec<f64> = (0..prepared.approach.len())
+        .filter(|&other| other != door)
+        .filter(|&other| prepared.approach[other].is_some_and(|a| a.distance(at) < correct))
+        .filter_map(|other| geodesic_distance(prepared, at, other))
+        .collect();
     Strict::judge(correct, &others)
+}
+
+/// Distance from a reachable point to a door's approach point, metres; `None` without a path.
+fn geodesic_distance(prepared: &Prepared, from: MapPoint, door: usize) -> Option<f64> {
+    prepared.free_space.distance(from, prepared.approach[door]?)
 }
 
 /// Scores the doors that the agent wrote, over all episodes; `None` if it edits no map.
 pub fn score_written_doors(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<DoorScore> {
-    traces.iter().any(|t| t.map.is_some()).then(|| {
-        let written: Vec<(Address, MapPoint)> = traces
-            .iter()
-            .flat_map(|t| t.doors.iter().cloned())
-            .collect();
-        let map = prepared.osm_map();
-        let doors = prepared
-            .world
-            .scene
-            .doors
-            .iter()
-            .map(|d| (d.address.clone(), doorway(&map, d)));
-        score_doors(&written, &doors.collect::<Vec<_>>())
-    })
+    if traces.iter().all(|trace| trace.map.is_none()) {
+        return None;
+    }
+    let written: Vec<PlacedDoor> = traces
+        .iter()
+        .flat_map(|trace| trace.doors.iter().cloned())
+        .collect();
+    let map = prepared.osm_map();
+    let doors: Vec<PlacedDoor> = prepared
+        .world
+        .scene
+        .doors
+        .iter()
+        .map(|door| PlacedDoor {
+            address: door.address.clone(),
+            position: doorway(&map, door.point(), door.facing),
+        })
+        .collect();
+    Some(score_doors(&written, &doors))
 }
 
-/// The position of a door in OSM: on the outline of its building.
+/// The position of a door in OSM, on the outline of its building, from the position of its `plate`
+/// and the direction in which that `facing` looks, radians.
 ///
 /// The plate of a recessed doorway is inside the outline; its door is where a ray from the plate
 /// leaves the building. For other plates it is the nearest point of the outline.
-fn doorway(map: &OsmMap, door: &Door) -> MapPoint {
+// OPEN has a rule of its own for the doors that it writes. The two share no code on purpose: with a
+// common rule, an error in it would move the expected and the written door alike and not be seen.
+fn doorway(map: &OsmMap, plate: MapPoint, facing: f64) -> MapPoint {
     /// Maximum depth of a recess.
     const MAX_RECESS_CM: u32 = 400;
     /// Step along the ray.
     const STEP_CM: usize = 5;
-    let plate = door.point();
     let Some(building) = map.nearest_building(plate) else {
         return plate;
     };
     let outline = &map.buildings[building].polygon;
     let mut outwards = (0..MAX_RECESS_CM)
         .step_by(STEP_CM)
-        .map(|cm| plate.offset(door.facing, f64::from(cm) / 100.0));
+        .map(|cm| plate.offset(facing, f64::from(cm) / 100.0));
     let in_front = outwards
         .find(|p| !outline.contains(*p))
         .filter(|_| outline.contains(plate));
     in_front.unwrap_or_else(|| outline.nearest_boundary_point(plate).point)
 }
 
-/// Number of instructions whose plan has exactly the requested doors, and number of all
-/// instructions; `None` if the agent made no plans.
-pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<(usize, usize)> {
+/// The instructions whose plan has exactly the requested doors, among all; `None` if the agent made
+/// no plans.
+pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<Proportion> {
     if traces.iter().all(|trace| trace.plan.is_none()) {
         return None;
     }
-    let pairs = prepared.episodes.iter().zip(traces);
-    let understood = pairs.filter(|(episode, trace)| is_understood(episode, trace));
-    Some((understood.count(), traces.len()))
+    let episodes: Vec<_> = prepared.episodes.iter().zip(traces).collect();
+    let is_right = |(episode, trace): &(&PreparedEpisode, &EpisodeTrace)| {
+        is_understood(&episode.targets, trace.plan.as_ref())
+    };
+    Some(Proportion::count(&episodes, is_right))
 }
 
 /// Whether the plan has exactly the requested doors, in any order.
-fn is_understood(episode: &PreparedEpisode, trace: &EpisodeTrace) -> bool {
-    let Some(plan) = &trace.plan else {
+fn is_understood(targets: &[Target], plan: Option<&Plan>) -> bool {
+    let Some(plan) = plan else {
         return false;
     };
-    let mut missing: Vec<&Address> = episode.targets.iter().map(|t| &t.address).collect();
+    let mut missing: Vec<&Address> = targets.iter().map(|target| &target.address).collect();
     for delivery in &plan.deliveries {
         let address = delivery.address();
         match missing.iter().position(|m| m.same_door(&address)) {
@@ -180,4 +189,124 @@ fn is_understood(episode: &PreparedEpisode, trace: &EpisodeTrace) -> bool {
         }
     }
     missing.is_empty()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::{Georeference, LonLat, PlannedDelivery};
+    use openbench_osm::OsmData;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    const METRES_PER_DEGREE: f64 = 111_320.0;
+
+    /// A map with a building of 20 by 10 metres around the origin.
+    fn map() -> OsmMap {
+        let corners = [(-10.0, -5.0), (10.0, -5.0), (10.0, 5.0), (-10.0, 5.0)];
+        let nodes: String = (1..)
+            .zip(corners)
+            .map(|(id, (x, y))| {
+                let (lon, lat) = (x / METRES_PER_DEGREE, y / METRES_PER_DEGREE);
+                format!("<node id=\"{id}\" lat=\"{lat:.9}\" lon=\"{lon:.9}\"/>")
+            })
+            .collect();
+        let way = "<way id=\"9\"><nd ref=\"1\"/><nd ref=\"2\"/><nd ref=\"3\"/><nd ref=\"4\"/>\
+                   <nd ref=\"1\"/><tag k=\"building\" v=\"yes\"/></way>";
+        let xml = format!("<osm version=\"0.6\">{nodes}{way}</osm>");
+        let data = OsmData::from_xml(xml.as_bytes()).unwrap();
+        OsmMap::new(&data, Georeference::tangent_plane(LonLat::default()))
+    }
+
+    fn is_at(found: MapPoint, x: f64, y: f64) -> bool {
+        found.distance(MapPoint::new(x, y)) < 0.1
+    }
+
+    #[test]
+    fn a_door_is_on_the_outline_in_front_of_a_recessed_plate() {
+        let map = map();
+        // 2 m inside the southern wall, facing south, where the eastern wall is nearer.
+        let recessed = MapPoint::new(9.0, -3.0);
+        assert!(is_at(doorway(&map, recessed, -FRAC_PI_2), 9.0, -5.0));
+        // On a wall, and 1 m in front of it: the nearest point.
+        let in_front = MapPoint::new(2.0, -6.0);
+        assert!(is_at(doorway(&map, in_front, -FRAC_PI_2), 2.0, -5.0));
+        // Too deep for a recess.
+        let deep = MapPoint::new(9.0, 0.0);
+        assert!(is_at(doorway(&map, deep, PI), 10.0, 0.0));
+    }
+
+    fn plan(doors: &[&Address]) -> Plan {
+        let delivery = |door: &&Address| PlannedDelivery {
+            instruction_index: 0,
+            item: String::new(),
+            building: door.building.clone(),
+            unit: door.unit.clone(),
+            levels: Vec::new(),
+            steps: Vec::new(),
+            confidence: 1.0,
+            problem: None,
+            deadline: None,
+        };
+        Plan {
+            planner: "test".into(),
+            deliveries: doors.iter().map(delivery).collect(),
+            fallbacks: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn an_instruction_is_understood_if_the_plan_has_exactly_its_doors() {
+        let (first, second) = (Address::new("b1", "u1"), Address::new("b1", "u2"));
+        let targets = [&first, &second].map(|address| Target {
+            address: address.clone(),
+            door: None,
+        });
+        assert!(is_understood(&targets, Some(&plan(&[&second, &first]))));
+        assert!(!is_understood(&targets, Some(&plan(&[&first]))));
+        assert!(!is_understood(&targets, Some(&plan(&[&first, &first]))));
+        assert!(!is_understood(
+            &targets,
+            Some(&plan(&[&first, &second, &second]))
+        ));
+        assert!(!is_understood(&targets, None));
+    }
+
+    fn outcome(failure: Option<Failure>) -> TaskOutcome {
+        TaskOutcome {
+            target: 0,
+            began_at: MapPoint::default(),
+            began: Default::default(),
+            ended: Default::default(),
+            ended_at: MapPoint::default(),
+            declared: true,
+            path_m: 0.0,
+            smoothness: Default::default(),
+            collisions: Vec::new(),
+            encounters: None,
+            pose_error_m: None,
+            plates_read: 0,
+            failure,
+        }
+    }
+
+    #[test]
+    fn a_declaration_at_the_wrong_place_is_a_failure_unless_the_agent_reports_another() {
+        let right = Strict {
+            success: true,
+            correct_unit: true,
+        };
+        let too_far = Strict {
+            success: false,
+            correct_unit: true,
+        };
+        assert_eq!(failure(&outcome(None), &right), None);
+        let detail = |strict: &Strict| failure(&outcome(None), strict).unwrap().detail;
+        assert!(detail(&too_far).contains("more than 2 m"));
+        assert!(detail(&Strict::NOT_DECLARED).contains("another door"));
+        let lost = Failure {
+            cause: FailureCause::Lost,
+            detail: "lost".into(),
+        };
+        assert_eq!(failure(&outcome(Some(lost.clone())), &too_far), Some(lost));
+    }
 }

@@ -5,16 +5,15 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use openbench_core::{Address, FailureCause, MapPoint, ModelUse};
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
-use crate::score::metrics::{
-    CollisionSum, DoorScore, EncounterSum, LocalizationSum, SmoothnessSum,
-};
+use crate::error::ResultsError;
+use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum};
+use crate::trace::SmoothnessSum;
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -168,30 +167,6 @@ impl DeliveryResult {
             unit: self.unit.clone(),
         }
     }
-}
-
-/// A results file that cannot be written or read.
-#[derive(Debug, thiserror::Error)]
-pub enum ResultsError {
-    /// The file cannot be read or written.
-    #[error("cannot access {}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// The error of the operating system.
-        source: io::Error,
-    },
-    /// The file is no results file.
-    #[error(
-"{}:{}:{} is no results.json of OpenBench",
-path.display(), source.line(), source.column()
-)]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// The error of the parser.
-        source: serde_json::Error,
-    },
 }
 
 impl Results {

@@ -10,6 +10,30 @@ use rand_pcg::Pcg32;
 const Z: f64 = 1.959_963_984_540_054;
 const RESAMPLES: usize = 10_000;
 
+/// A number of successes among a number of trials.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Proportion {
+    /// Number of successes.
+    pub successes: usize,
+    /// Number of trials.
+    pub trials: usize,
+}
+
+impl Proportion {
+    /// Counts the trials that are successes.
+    pub fn count<T>(trials: &[T], is_success: impl Fn(&T) -> bool) -> Self {
+        Self {
+            successes: trials.iter().filter(|trial| is_success(trial)).count(),
+            trials: trials.len(),
+        }
+    }
+
+    /// The share of successes, 0 to 1; `None` without trials.
+    pub fn rate(self) -> Option<f64> {
+        (self.trials > 0).then(|| self.successes as f64 / self.trials as f64)
+    }
+}
+
 /// The Wilson score interval of the rate `successes / trials`, lower and upper bound; `None`
 /// without trials (E. B. Wilson, JASA 22, 1927).
 ///

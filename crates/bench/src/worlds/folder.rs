@@ -14,7 +14,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use openbench_core::Address;
-use openbench_osm::{Location, OsmData, locate, write_atomically};
+use openbench_osm::{Location, OsmData, OsmMap, locate, write_atomically};
 use openbench_sim::traffic::TrafficPlan;
 
 use super::prepared::Prepared;
@@ -28,19 +28,21 @@ const SUITE: &str = "suite.toml";
 
 /// The number and range of the deliveries to draw.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wanted {
+pub struct DrawRequest {
     /// Number of single deliveries.
     pub singles: usize,
-    /// Number of sequences, and number of doors in each.
-    pub sequences: (usize, usize),
+    /// Number of sequences.
+    pub sequences: usize,
+    /// Number of doors in each sequence.
+    pub sequence_length: usize,
     /// Maximum straight-line distance of a door from the start, metres.
-    pub reach: f64,
+    pub max_distance_m: f64,
     /// Seed of the draw.
     pub seed: u64,
 }
 
 /// A world folder that was written.
-pub struct Written {
+pub struct WrittenWorld {
     /// The world, ready to run, with the drawn suite.
     pub prepared: Prepared,
     /// Number of doors that a robot can reach.
@@ -75,8 +77,8 @@ pub fn write(
     folder: &Path,
     recipe: &Recipe,
     map: &OsmData,
-    wanted: Wanted,
-) -> Result<Written, BenchError> {
+    request: DrawRequest,
+) -> Result<WrittenWorld, BenchError> {
     refuse_others(folder)?;
     let staging = StagingFolder::new(folder)?;
     staging.put(MAP, &map.to_xml())?;
@@ -94,55 +96,70 @@ pub fn write(
     };
     let mut prepared = Prepared::world_of(suite)?;
     staging.put(PUBLIC, &prepared.world.map.to_xml())?;
-    let (reachable, candidates) = draw(&mut prepared, wanted);
+    let DoorCounts {
+        reachable,
+        candidates,
+    } = draw(&mut prepared, request);
     if prepared.suite.episodes.is_empty() {
         return Err(BenchError::world(format!(
             "no door can be delivered to: a robot can reach {reachable} of {} doors, and none of \
              these has a unique address within {} m of the start; use a larger part of the map, \
              another --start or a longer --reach",
             prepared.world.scene.doors.len(),
-            wanted.reach
+            request.max_distance_m
         )));
     }
     prepared.suite.world = WorldSource::Folder { path: ".".into() };
     staging.put(SUITE, prepared.suite.to_toml().as_bytes())?;
     staging.move_to(folder)?;
     prepared.suite = suite_of(folder)?;
-    Ok(Written {
+    Ok(WrittenWorld {
         prepared,
         reachable,
         candidates,
     })
 }
 
-/// Draws the suite's episodes; returns the number of reachable doors and of candidates.
-fn draw(prepared: &mut Prepared, wanted: Wanted) -> (usize, usize) {
+/// Numbers of doors, see [`WrittenWorld`].
+struct DoorCounts {
+    reachable: usize,
+    candidates: usize,
+}
+
+/// Draws the suite's episodes.
+fn draw(prepared: &mut Prepared, request: DrawRequest) -> DoorCounts {
     let (map, start) = (prepared.osm_map(), prepared.world.start.point());
     let doors = prepared.world.scene.doors.iter().zip(&prepared.approach);
     let reachable: Vec<_> = doors
         .filter(|(_, approach)| approach.is_some())
         .map(|(door, _)| door)
         .collect();
-    let is_known = |a: &Address| {
-        matches!(
-            locate(&map, a),
-            Location::Building(_) | Location::Unit { .. }
-        )
-    };
     let candidates: Vec<Address> = reachable
         .iter()
-        .filter(|d| d.point().distance(start) <= wanted.reach && is_known(&d.address))
-        .map(|d| d.address.clone())
+        .filter(|door| door.point().distance(start) <= request.max_distance_m)
+        .filter(|door| is_unique(&map, &door.address))
+        .map(|door| door.address.clone())
         .collect();
-    let counts = (reachable.len(), candidates.len());
-    let mut draw = Draw::new(candidates, wanted.seed);
+    let counts = DoorCounts {
+        reachable: reachable.len(),
+        candidates: candidates.len(),
+    };
+    let mut draw = Draw::new(candidates, request.seed);
     // No door is drawn twice, and no sequence has only one door unless requested.
-    let mut episodes = draw.singles(wanted.singles.min(counts.1));
-    if counts.1 > 1 || wanted.sequences.1 == 1 {
-        episodes.extend(draw.sequences(wanted.sequences.0, wanted.sequences.1));
+    let mut episodes = draw.singles(request.singles.min(counts.candidates));
+    if counts.candidates > 1 || request.sequence_length == 1 {
+        episodes.extend(draw.sequences(request.sequences, request.sequence_length));
     }
     prepared.suite.episodes = episodes;
     counts
+}
+
+/// Whether an address has one place on the map, so that an instruction can name it.
+fn is_unique(map: &OsmMap, address: &Address) -> bool {
+    matches!(
+        locate(map, address),
+        Location::Building(_) | Location::Unit { .. }
+    )
 }
 
 fn refuse_others(folder: &Path) -> Result<(), BenchError> {

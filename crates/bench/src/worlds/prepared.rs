@@ -70,7 +70,7 @@ impl Prepared {
     /// As [`new`](Self::new).
     pub fn with_episodes(mut self, truth: Option<&Path>) -> Result<Self, BenchError> {
         let truths = truth
-            .map(|path| read_truths(path, &self.suite, &self.world))
+            .map(|path| read_truths(path, &self.suite, &self.world.scene.doors))
             .transpose()?;
         self.episodes = self.look_up(truths.as_deref())?;
         self.truth =
@@ -149,9 +149,10 @@ impl Prepared {
         let episodes = self.suite.episodes.iter().enumerate();
         episodes
             .map(|(i, episode)| {
+                let doors = &self.world.scene.doors;
                 let targets = match truths {
-                    Some(truths) => match_doors(episode, &truths[i], &self.world),
-                    None => find_doors(episode, &self.world),
+                    Some(truths) => match_doors(episode, &truths[i], doors),
+                    None => find_doors(episode, doors),
                 };
                 if targets.is_empty() {
                     return Err(BenchError::NothingToDeliver {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use openbench_core::{Address, MapPoint};
-use openbench_scene::World;
+use openbench_scene::Door;
 
 use crate::BenchError;
 use crate::line_problem::LineProblem;
@@ -25,92 +25,104 @@ pub struct Target {
 }
 
 /// The doors with the addresses of an episode.
-pub(super) fn find_doors(episode: &Episode, world: &World) -> Vec<Target> {
-    let find = |address: &Address| {
-        let door = world
-            .scene
-            .doors
-            .iter()
-            .position(|d| d.address.same_door(address));
-        Target {
-            address: address.clone(),
-            door,
-        }
-    };
-    episode.deliveries.iter().map(find).collect()
-}
-
-/// The doors at the true positions, each with its address in the instruction.
-pub(super) fn match_doors(episode: &Episode, truths: &[usize], world: &World) -> Vec<Target> {
-    let mut left: Vec<&Address> = episode.deliveries.iter().collect();
-    let named: Vec<Option<&Address>> = truths
+pub(super) fn find_doors(episode: &Episode, doors: &[Door]) -> Vec<Target> {
+    episode
+        .deliveries
         .iter()
-        .map(|&door| {
-            let at = left
-                .iter()
-                .position(|a| a.same_door(&world.scene.doors[door].address))?;
-            Some(left.remove(at))
-        })
-        .collect();
-    let mut left = left.into_iter();
-    let targets = truths.iter().zip(named).map(|(&door, address)| {
-        let address = address
-            .or_else(|| left.next())
-            .unwrap_or(&world.scene.doors[door].address);
-        Target {
+        .map(|address| Target {
             address: address.clone(),
-            door: Some(door),
-        }
-    });
-    targets.collect()
+            door: doors
+                .iter()
+                .position(|door| door.address.same_door(address)),
+        })
+        .collect()
 }
 
-/// Reads a truth file: for each episode the doors at its true positions.
+/// The doors at the true positions (`truths`: indices into `doors`), each with its address in the
+/// instruction.
+///
+/// Files of true positions need not have the order of the instruction, and may contain doors with
+/// another address than the instruction's. Equal addresses are matched first; what is left follows
+/// in the order of the instruction.
+pub(super) fn match_doors(episode: &Episode, truths: &[usize], doors: &[Door]) -> Vec<Target> {
+    let mut unmatched: Vec<&Address> = episode.deliveries.iter().collect();
+    let equal: Vec<Option<&Address>> = truths
+        .iter()
+        .map(|&door| take_address(&mut unmatched, &doors[door].address))
+        .collect();
+    let mut unmatched = unmatched.into_iter();
+    truths
+        .iter()
+        .zip(equal)
+        .map(|(&door, equal)| {
+            let address = equal.or_else(|| unmatched.next());
+            Target {
+                address: address.unwrap_or(&doors[door].address).clone(),
+                door: Some(door),
+            }
+        })
+        .collect()
+}
+
+/// Removes the first of `addresses` that is the same door as `wanted`.
+fn take_address<'a>(addresses: &mut Vec<&'a Address>, wanted: &Address) -> Option<&'a Address> {
+    let found = addresses
+        .iter()
+        .position(|address| address.same_door(wanted))?;
+    Some(addresses.remove(found))
+}
+
+/// Reads a truth file: for each episode the doors at its true positions, as indices into `doors`.
 pub(super) fn read_truths(
     path: &Path,
     suite: &Suite,
-    world: &World,
+    doors: &[Door],
 ) -> Result<Vec<Vec<usize>>, BenchError> {
-    let bad = |problem: String| BenchError::bad_file(path, problem);
     let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
-    let lines = parse_truth(&text)
-        .map_err(|LineProblem { line, problem }| bad(format!("line {line}: {problem}")))?;
+    let lines = parse_truth(&text).map_err(|LineProblem { line, problem }| {
+        BenchError::bad_file(path, format!("line {line}: {problem}"))
+    })?;
     if lines.len() != suite.episodes.len() {
-        return Err(bad(format!(
+        let problem = format!(
             "there are {} of true positions for {} of deliveries; write one for each",
             count(lines.len(), "line", "lines"),
             count(suite.episodes.len(), "line", "lines")
-        )));
+        );
+        return Err(BenchError::bad_file(path, problem));
     }
-    let mut doors = Vec::new();
-    for (i, (points, episode)) in lines.iter().zip(&suite.episodes).enumerate() {
-        let found: Result<Vec<usize>, BenchError> = points
-            .iter()
-            .map(|p| door_at(path, i + 1, *p, world))
-            .collect();
-        let found = found?;
-        // The doors of an instruction that was not understood are unknown.
-        if !episode.deliveries.is_empty() && found.len() != episode.deliveries.len() {
-            return Err(bad(format!(
-                "line {}: {} true positions, but the instruction names {} doors ({})",
-                i + 1,
-                found.len(),
-                episode.deliveries.len(),
-                episode
-                    .deliveries
-                    .iter()
-                    .map(Address::to_string)
-                    .collect::<Vec<_>>()
-                    .join("; ")
-            )));
-        }
-        doors.push(found);
-    }
-    Ok(doors)
+    (1..)
+        .zip(lines.iter().zip(&suite.episodes))
+        .map(|(line, (points, episode))| doors_of_line(path, line, points, episode, doors))
+        .collect()
 }
 
-fn door_at(path: &Path, line: usize, at: MapPoint, world: &World) -> Result<usize, BenchError> {
-    let doors = &world.scene.doors;
+/// The doors at the true positions in a line, from 1, of a truth file.
+fn doors_of_line(
+    path: &Path,
+    line: usize,
+    points: &[MapPoint],
+    episode: &Episode,
+    doors: &[Door],
+) -> Result<Vec<usize>, BenchError> {
+    let found: Vec<usize> = points
+        .iter()
+        .map(|&point| door_at(path, line, point, doors))
+        .collect::<Result<_, _>>()?;
+    // The doors of an instruction that was not understood are unknown.
+    if episode.deliveries.is_empty() || found.len() == episode.deliveries.len() {
+        return Ok(found);
+    }
+    let named: Vec<String> = episode.deliveries.iter().map(Address::to_string).collect();
+    let problem = format!(
+        "line {line}: {} true positions, but the instruction names {} doors ({})",
+        found.len(),
+        named.len(),
+        named.join("; ")
+    );
+    Err(BenchError::bad_file(path, problem))
+}
+
+fn door_at(path: &Path, line: usize, at: MapPoint, doors: &[Door]) -> Result<usize, BenchError> {
     let distance = |i: &usize| doors[*i].point().distance(at);
     let nearest = (0..doors.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
     match nearest {
@@ -122,5 +134,97 @@ fn door_at(path: &Path, line: usize, at: MapPoint, world: &World) -> Result<usiz
             nearest: nearest.map_or("none".into(), |d| doors[d].address.to_string()),
             away: nearest.map_or(f64::INFINITY, |d| distance(&d)),
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::suite::{Sensors, WorldSource};
+    use openbench_core::with_causes;
+    use openbench_sim::traffic::TrafficPlan;
+
+    /// Doors `unit1` to `unit3` of `building1`, 10 m apart.
+    fn doors() -> Vec<Door> {
+        (1..=3)
+            .map(|unit| Door {
+                address: Address::new("building1", format!("unit{unit}")),
+                text: format!("unit {unit}"),
+                plate: [10.0 * f64::from(unit), 0.0, 1.5],
+                facing: 0.0,
+            })
+            .collect()
+    }
+
+    fn episode(units: &[&str]) -> Episode {
+        Episode {
+            instruction: "?".into(),
+            deliveries: units
+                .iter()
+                .map(|unit| Address::new("building1", *unit))
+                .collect(),
+        }
+    }
+
+    fn targets(targets: &[Target]) -> Vec<(&str, Option<usize>)> {
+        targets
+            .iter()
+            .map(|target| (target.address.unit.as_deref().unwrap_or(""), target.door))
+            .collect()
+    }
+
+    #[test]
+    fn doors_are_found_by_address_and_missing_ones_are_kept() {
+        let found = find_doors(&episode(&["Unit 2", "unit9"]), &doors());
+        assert_eq!(targets(&found), [("Unit 2", Some(1)), ("unit9", None)]);
+    }
+
+    #[test]
+    fn true_positions_in_another_order_keep_their_addresses() {
+        let found = match_doors(&episode(&["unit2", "unit1"]), &[0, 1], &doors());
+        assert_eq!(targets(&found), [("unit1", Some(0)), ("unit2", Some(1))]);
+    }
+
+    #[test]
+    fn true_positions_of_other_doors_get_the_addresses_that_are_left() {
+        let doors = doors();
+        let found = match_doors(&episode(&["unit8", "unit2", "unit9"]), &[2, 1, 0], &doors);
+        let expected = [("unit8", Some(2)), ("unit2", Some(1)), ("unit9", Some(0))];
+        assert_eq!(targets(&found), expected);
+        // An instruction that was not understood: the doors' own addresses.
+        let found = match_doors(&episode(&[]), &[2], &doors);
+        assert_eq!(targets(&found), [("unit3", Some(2))]);
+    }
+
+    fn read(text: &str, episodes: &[&[&str]]) -> Result<Vec<Vec<usize>>, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("truth.txt");
+        std::fs::write(&path, text).unwrap();
+        let suite = Suite {
+            name: "street".into(),
+            world: WorldSource::Folder { path: ".".into() },
+            traffic: TrafficPlan::default(),
+            episodes: episodes.iter().map(|units| episode(units)).collect(),
+            sensors: Sensors::default(),
+        };
+        read_truths(&path, &suite, &doors()).map_err(|e| with_causes(&e))
+    }
+
+    #[test]
+    fn a_truth_file_names_the_doors_at_its_positions() {
+        let found = read("(10.3, 0)\n(30, 0.4) (20, 0)\n", &[&["unit1"], &[]]);
+        assert_eq!(found, Ok(vec![vec![0], vec![2, 1]]));
+    }
+
+    #[test]
+    fn a_truth_file_that_does_not_fit_is_reported_with_its_line() {
+        let problem = |text: &str| read(text, &[&["unit1"], &["unit2"]]).unwrap_err();
+        assert!(problem("(10, 0)\n").contains("1 line of true positions for 2 lines"));
+        assert!(problem("(10, 0)\n(20; 0)\n").contains("line 2"));
+        let far = problem("(10, 0)\n(20, 0.6)\n");
+        assert!(far.contains(":2: (20, 0.6) is no door"), "{far}");
+        assert!(far.contains("unit2, building1, 0.60 m away"), "{far}");
+        let several = problem("(10, 0)\n(20, 0) (30, 0)\n");
+        assert!(several.contains("line 2: 2 true positions"), "{several}");
     }
 }

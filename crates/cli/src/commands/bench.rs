@@ -79,7 +79,7 @@ fn routing(args: &BenchRoutingArgs) -> anyhow::Result<Outcome> {
         let rows = speed
             .answers
             .iter()
-            .map(|(metres, seconds)| format!("{metres:.1},{seconds:.2}\n"));
+            .map(|answer| format!("{:.1},{:.2}\n", answer.distance_m, answer.duration_s));
         let text = format!("distance_m,duration_s\n{}", rows.collect::<String>());
         openbench_osm::write_atomically(path, text.as_bytes())?;
     }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use openbench_bench::Prepared;
 use openbench_core::RobotDescription;
 use openbench_localization::{Fused, Localizer};
-use openbench_trials::degraded::{Trial, trials};
+use openbench_trials::degraded::{DegradedResult, trials};
 
 use crate::args::BenchHealthArgs;
 use crate::commands::run::named;
@@ -28,7 +28,7 @@ pub fn run(args: &BenchHealthArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn table(trials: &[Trial]) -> String {
+fn table(trials: &[DegradedResult]) -> String {
     let mut text = format!(
         "{:<40}  {:>8}  {:>8}  {:>12}  {:>6}  {:>6}  {:>6}\n",
         "degradation", "rms m", "largest", "called good", "good %", "lost %", "silent"

@@ -5,8 +5,10 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use openbench_core::RobotDescription;
+use openbench_trials::motion::comparison::{
+    Comparison, ComparisonRequest, PlannerDrive, Row, SceneOutcome, compare, planners,
+};
 use openbench_trials::motion::picture::picture;
-use openbench_trials::motion::trial::{Request, Row, Trial, hold, planners};
 
 use crate::args::BenchMotionArgs;
 use crate::outcome::{Outcome, say, say_json};
@@ -18,7 +20,7 @@ const SHOWN: usize = 20;
 /// Drives planners through scenes.
 pub fn run(args: &BenchMotionArgs) -> anyhow::Result<Outcome> {
     let planners = planners().select(&args.planners)?;
-    let request = Request {
+    let request = ComparisonRequest {
         first: args.first as usize,
         count: args.scenes as usize,
         seed: args.seed,
@@ -31,7 +33,7 @@ pub fn run(args: &BenchMotionArgs) -> anyhow::Result<Outcome> {
     }
     let bar = progress_bar(request.count, "scenes");
     let robot = RobotDescription::sentry();
-    let trial = hold(&request, &robot, &mut |outcome| {
+    let comparison = compare(&request, &robot, &mut |outcome| {
         bar.inc(1);
         match &args.pictures {
             Some(folder) => draw(folder, outcome, &robot),
@@ -39,21 +41,17 @@ pub fn run(args: &BenchMotionArgs) -> anyhow::Result<Outcome> {
         }
     });
     bar.finish_and_clear();
-    let trial = trial?;
+    let comparison = comparison?;
     if args.json {
-        say_json(&trial)?
+        say_json(&comparison)?
     } else {
-        say(&table(&trial))?
+        say(&table(&comparison))?
     }
     Ok(Outcome::Done)
 }
 
-fn draw(
-    folder: &Path,
-    outcome: &openbench_trials::motion::trial::Outcome,
-    robot: &RobotDescription,
-) -> anyhow::Result<()> {
-    for (planner, drive) in &outcome.drives {
+fn draw(folder: &Path, outcome: &SceneOutcome, robot: &RobotDescription) -> anyhow::Result<()> {
+    for PlannerDrive { planner, drive } in &outcome.drives {
         let Some(scene) = &outcome.scene else {
             continue;
         };
@@ -66,26 +64,26 @@ fn draw(
     Ok(())
 }
 
-fn table(trial: &Trial) -> String {
+fn table(comparison: &Comparison) -> String {
     let mut text = format!(
         "{} scenes of seed {}; for {} more neither a motion nor a proof was found\n\n\
          planner   feasible  reached  collisions  refused    cycle ms p50   p99  time ratio   max  \
          slow  swerves   max\n",
-        trial.scenes, trial.seed, trial.undecided
+        comparison.scenes, comparison.seed, comparison.undecided
     );
-    for (planner, row) in &trial.planners {
+    for (planner, row) in &comparison.planners {
         line(&mut text, planner.name(), row);
     }
-    for (planner, kinds) in &trial.kinds {
+    for (planner, kinds) in &comparison.kinds {
         let _ = write!(text, "\n{}\n", planner.name());
         for (kind, row) in kinds {
             line(&mut text, kind.name(), row);
         }
     }
-    if !trial.failures.is_empty() {
+    if !comparison.failures.is_empty() {
         text.push_str("\nFailures:\n");
     }
-    for failure in trial.failures.iter().take(SHOWN) {
+    for failure in comparison.failures.iter().take(SHOWN) {
         let (who, what) = (failure.planner.name(), &failure.what);
         let _ = writeln!(
             text,
@@ -94,7 +92,7 @@ fn table(trial: &Trial) -> String {
             failure.kind.name()
         );
     }
-    if let Some(more) = trial
+    if let Some(more) = comparison
         .failures
         .len()
         .checked_sub(SHOWN)

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use openbench_agents::open::{Catalogue, settings};
 use openbench_bench::{Prepared, TrafficPlan};
-use openbench_trials::motion::people::{Among, Request, drive, drives};
+use openbench_trials::motion::people::{PeopleRequest, PeopleResult, drive, drives};
 
 use crate::args::BenchPeopleArgs;
 use crate::commands::run::named;
@@ -17,7 +17,7 @@ const SHOWN: usize = 20;
 /// Drives among people, once for each number of them.
 pub fn run(args: &BenchPeopleArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     let planner = parts.local_planner(&args.planner)?;
-    let request = Request {
+    let request = PeopleRequest {
         kilometres: args.km,
         seed: args.seed,
         planner: &|robot| planner.make(&settings::planning(robot)).map_err(Into::into),
@@ -44,7 +44,7 @@ pub fn run(args: &BenchPeopleArgs, parts: &Catalogue) -> anyhow::Result<Outcome>
     Ok(Outcome::Done)
 }
 
-fn table(rows: &[Among]) -> String {
+fn table(rows: &[PeopleResult]) -> String {
     let mut text = String::from(
         "people  cars     km  hours  doors reached  given up  collisions  driven into  cut off  \
          near misses/km  stops/km\n",

@@ -7,7 +7,7 @@ use openbench_bench::Agents;
 use openbench_core::{FailureCause, LonLat};
 use openbench_trials::towns::summary::PoseSum;
 use openbench_trials::towns::{
-    Drawn, Town, Towns, TownsPlan, TownsRequest, draw, run as run_towns,
+    DrawnWindow, Town, Towns, TownsPlan, TownsRequest, draw, run as run_towns,
 };
 
 use crate::args::BenchTownsArgs;
@@ -71,7 +71,7 @@ fn draw_only(plan: &TownsPlan, windows: usize, args: &BenchTownsArgs) -> anyhow:
     if args.json {
         say_json(&drawn)?;
     } else {
-        let line = |Drawn { place, world }: &Drawn| {
+        let line = |DrawnWindow { place, world }: &DrawnWindow| {
             let LonLat { lon, lat } = place.around;
             format!(
                 "{:<22}  {lon:9.5}  {lat:9.5}  {}\n",

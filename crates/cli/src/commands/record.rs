@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use openbench_bench::run::recorder::Recorder;
-use openbench_bench::{Faults, Level, Prepared};
+use openbench_bench::{Faults, ImuRange, Level, Prepared};
 use openbench_core::SimTime;
 use openbench_trials::tour::{Style, Tour, drive};
 
@@ -26,7 +26,9 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
     let at = |seconds: f64| SimTime::ZERO + Duration::from_secs_f64(seconds.min(1e9));
     let faults = Faults {
         gap: args.gap.map(|(from, long)| [at(from), at(from + long)]),
-        imu_range: args.imu_range.map(|(turn, force)| [turn, force]),
+        imu_range: args
+            .imu_range
+            .map(|(rate, acceleration)| ImuRange { rate, acceleration }),
     };
     let tour = Tour {
         time: Duration::from_secs_f64(args.minutes * 60.0),

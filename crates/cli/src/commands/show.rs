@@ -96,8 +96,8 @@ fn write_picture(path: &Path, size: ImageSize, rgb: Vec<u8>, quality: u8) -> any
 fn write_labels(args: &ShowArgs, labels: &Labels, scene: &Scene) -> anyhow::Result<()> {
     if let Some(path) = &args.depth {
         let millimetres: Vec<u16> = labels.depth.iter().map(|d| millimetres(*d)).collect();
-        let size = (labels.size.width, labels.size.height);
-        write_atomically(path, &image_file::grey16_png(size, &millimetres)?)?;
+        let png = image_file::grey16_png(labels.size.width, labels.size.height, &millimetres)?;
+        write_atomically(path, &png)?;
     }
     if let Some(path) = &args.classes {
         let colors = labels

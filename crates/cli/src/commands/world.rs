@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use openbench_bench::worlds::Recipe;
-use openbench_bench::worlds::folder::{Wanted, Written, write};
+use openbench_bench::worlds::folder::{DrawRequest, WrittenWorld, write};
 use openbench_osm::default_georeference;
 
 use crate::args::{DrawArgs, GenerateArgs, ImportArgs, WorldArgs, WorldCommand};
@@ -38,7 +38,12 @@ fn generate(args: &GenerateArgs) -> anyhow::Result<Outcome> {
             "Map `{source}`: © OpenStreetMap contributors, ODbL 1.0, where it comes from there"
         )],
     };
-    let written = write(&args.out, &recipe, &map, wanted(&args.drawn, args.seed));
+    let written = write(
+        &args.out,
+        &recipe,
+        &map,
+        draw_request(&args.drawn, args.seed),
+    );
     report(&written.with_context(|| file.to_string())?, &args.out)
 }
 
@@ -63,21 +68,27 @@ fn import(args: &ImportArgs) -> anyhow::Result<Outcome> {
         georeference: georeference.to_string(),
         start: args.start.map(|p| [p.x, p.y, p.yaw.to_degrees()]),
     };
-    let written = write(&args.out, &recipe, &map, wanted(&args.drawn, args.seed))?;
+    let written = write(
+        &args.out,
+        &recipe,
+        &map,
+        draw_request(&args.drawn, args.seed),
+    )?;
     report(&written, &args.out)
 }
 
-fn wanted(drawn: &DrawArgs, seed: u64) -> Wanted {
+fn draw_request(drawn: &DrawArgs, seed: u64) -> DrawRequest {
     let count = |i: usize| drawn.draw.get(i).map_or(0, |n| usize::from(*n));
-    Wanted {
+    DrawRequest {
         singles: count(0),
-        sequences: (count(1), count(2)),
-        reach: drawn.reach,
+        sequences: count(1),
+        sequence_length: count(2),
+        max_distance_m: drawn.reach,
         seed,
     }
 }
 
-fn report(written: &Written, out: &Path) -> anyhow::Result<Outcome> {
+fn report(written: &WrittenWorld, out: &Path) -> anyhow::Result<Outcome> {
     let (world, suite) = (&written.prepared.world, &written.prepared.suite);
     world.warnings.iter().for_each(|w| tell(w));
     say(&format!(

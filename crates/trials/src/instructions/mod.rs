@@ -2,7 +2,7 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`mod@made`] | instructions generated from templates |
+//! | [`mod@generated`] | instructions generated from templates |
 //! | [`score`] | SRTP of a planner |
 //!
 //! The files in `data/instructions` are built in: instructions written by hand, generated from
@@ -10,7 +10,7 @@
 //! test split was written before the grammar was adapted to it, the unseen split independently of
 //! the grammar; `SHA256SUMS` freezes both.
 
-pub mod made;
+pub mod generated;
 pub mod score;
 
 use std::collections::BTreeSet;

@@ -4,17 +4,17 @@
 //! | module | content |
 //! |---|---|
 //! | [`scene`] | scenes of ten kinds |
-//! | [`best`] | the reference motion: the fastest that a long search finds, or a proof that there is none |
-//! | [`retime`] | time-optimal path parametrization |
+//! | [`mod@reference`] | the reference motion: the fastest that a long search finds, or a proof that there is none |
+//! | `retime` | time-optimal path parametrization |
 //! | [`drive`] | a drive through a scene |
 //! | [`picture`] | a drive as an SVG picture |
-//! | [`trial`] | many scenes and several planners, with statistics |
+//! | [`comparison`] | many scenes and several planners, with statistics |
 //! | [`people`] | long drives among people, in the simulator |
 
-pub mod best;
+pub mod comparison;
 pub mod drive;
 pub mod people;
 pub mod picture;
-pub mod retime;
+pub mod reference;
+mod retime;
 pub mod scene;
-pub mod trial;

@@ -21,9 +21,8 @@ use openbench_sim::{Collision, OBSERVATION_NS, Simulator};
 use serde::Serialize;
 
 use openbench_bench::run::threads;
-use openbench_bench::score::metrics::{
-    CollisionSum, EncounterSum, SmoothnessSum, collisions, smoothness::Smoothness,
-};
+use openbench_bench::score::metrics::{CollisionSum, EncounterSum, collisions};
+use openbench_bench::trace::{Smoothness, SmoothnessSum};
 use openbench_bench::{BenchError, Prepared, TrafficPlan, TruthHandle, TruthLocalizer};
 
 /// Maximum length of a drive.
@@ -39,7 +38,7 @@ pub type MakePlanner<'a> =
 
 /// The parameters of the experiment.
 #[derive(Clone, Copy)]
-pub struct Request<'a> {
+pub struct PeopleRequest<'a> {
     /// Total distance, kilometres, in drives of at most half a kilometre; drives that take too long
     /// end earlier.
     pub kilometres: f64,
@@ -53,7 +52,7 @@ pub struct Request<'a> {
 
 /// The result of the experiment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Among {
+pub struct PeopleResult {
     /// Number of people and cars.
     pub traffic: TrafficPlan,
     /// Driven distance, metres.
@@ -71,12 +70,12 @@ pub struct Among {
     /// Smoothness of the drives.
     pub smoothness: SmoothnessSum,
     /// Time and place of each collision.
-    pub bumps: Vec<Bumped>,
+    pub bumps: Vec<CollisionRecord>,
 }
 
 /// Time and place of a collision.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Bumped {
+pub struct CollisionRecord {
     /// Number of the drive, from 0.
     pub drive: usize,
     /// Simulated time, seconds.
@@ -99,9 +98,9 @@ pub struct Bumped {
 /// A world with fewer than two reachable doors, or a planner that cannot be created.
 pub fn drive(
     prepared: &Prepared,
-    request: &Request<'_>,
+    request: &PeopleRequest<'_>,
     seen: &mut dyn FnMut(),
-) -> Result<Among, BenchError> {
+) -> Result<PeopleResult, BenchError> {
     let drives = drives(request.kilometres);
     let course = Course::new(prepared)?;
     let parts = threads::each(
@@ -125,29 +124,33 @@ pub fn drives(kilometres: f64) -> usize {
     (kilometres * 1000.0 / MAX_DRIVE_M).ceil().max(1.0) as usize
 }
 
-fn one(course: &Course<'_>, request: &Request<'_>, number: usize) -> Result<Among, BenchError> {
+fn one(
+    course: &Course<'_>,
+    request: &PeopleRequest<'_>,
+    number: usize,
+) -> Result<PeopleResult, BenchError> {
     let planner = (request.planner)(&course.prepared.robot).map_err(BenchError::world)?;
     let seed = request.seed.wrapping_add((number as u64) << 32);
     let metres = 1000.0 * request.kilometres / drives(request.kilometres) as f64;
     Ok(Ride::new(course, planner, seed)?.ride(number, metres))
 }
 
-fn sum(traffic: TrafficPlan, parts: impl Iterator<Item = Among>) -> Among {
-    parts.fold(nothing(traffic), |sum, part| Among {
+fn sum(traffic: TrafficPlan, parts: impl Iterator<Item = PeopleResult>) -> PeopleResult {
+    parts.fold(nothing(traffic), |sum, part| PeopleResult {
         traffic,
         metres: sum.metres + part.metres,
         seconds: sum.seconds + part.seconds,
         reached: sum.reached + part.reached,
         given_up: sum.given_up + part.given_up,
         collisions: collisions::total([&sum.collisions, &part.collisions]),
-        encounters: sum.encounters.and(part.encounters),
-        smoothness: sum.smoothness.and(part.smoothness),
+        encounters: sum.encounters.plus(part.encounters),
+        smoothness: sum.smoothness.plus(part.smoothness),
         bumps: [sum.bumps, part.bumps].concat(),
     })
 }
 
-fn nothing(traffic: TrafficPlan) -> Among {
-    Among {
+fn nothing(traffic: TrafficPlan) -> PeopleResult {
+    PeopleResult {
         traffic,
         metres: 0.0,
         seconds: 0.0,
@@ -231,7 +234,7 @@ struct Ride<'a> {
     needs_target: bool,
     encounters: Encounters,
     smoothness: Smoothness,
-    among: Among,
+    result: PeopleResult,
 }
 
 impl<'a> Ride<'a> {
@@ -255,13 +258,13 @@ impl<'a> Ride<'a> {
             needs_target: true,
             encounters: Encounters::new(),
             smoothness: Smoothness::default(),
-            among: nothing(TrafficPlan::default()),
+            result: nothing(TrafficPlan::default()),
         })
     }
 
     /// Drives until the distance or the maximum time is reached.
-    fn ride(mut self, number: usize, metres: f64) -> Among {
-        while self.among.metres < metres
+    fn ride(mut self, number: usize, metres: f64) -> PeopleResult {
+        while self.result.metres < metres
             && self.simulator.time().since(SimTime::ZERO) < MAX_DRIVE_TIME
         {
             self.sense();
@@ -269,13 +272,16 @@ impl<'a> Ride<'a> {
             self.step(velocity);
         }
         let collisions = self.simulator.collisions();
-        self.among.seconds = self.simulator.time().seconds();
-        self.among.encounters = self.encounters.totals().into();
-        self.among.smoothness = self.smoothness.sum();
-        self.among.collisions =
+        self.result.seconds = self.simulator.time().seconds();
+        self.result.encounters = self.encounters.totals().into();
+        self.result.smoothness = self.smoothness.sum();
+        self.result.collisions =
             collisions::by_class(collisions.iter().map(|c| (c.class.name(), c.into())));
-        self.among.bumps = collisions.iter().map(|c| Bumped::of(c, number)).collect();
-        self.among
+        self.result.bumps = collisions
+            .iter()
+            .map(|c| CollisionRecord::of(c, number))
+            .collect();
+        self.result
     }
 
     fn sense(&mut self) {
@@ -302,8 +308,8 @@ impl<'a> Ride<'a> {
         }
         match self.driver.drive(here, now, &mut DiscardEvents) {
             Driving::OnTheWay(velocity) => return velocity,
-            Driving::Arrived => self.among.reached += 1,
-            Driving::Unreachable => self.among.given_up += 1,
+            Driving::Arrived => self.result.reached += 1,
+            Driving::Unreachable => self.result.given_up += 1,
         }
         self.needs_target = true;
         Velocity::ZERO
@@ -314,7 +320,7 @@ impl<'a> Ride<'a> {
         self.simulator.step(velocity);
         let now = pose(&self.simulator);
         self.handle.set(self.simulator.time(), now);
-        self.among.metres += before.point().distance(now.point());
+        self.result.metres += before.point().distance(now.point());
         self.smoothness.step(before, now, seconds);
         self.encounters.update(
             seconds,
@@ -324,7 +330,7 @@ impl<'a> Ride<'a> {
     }
 }
 
-impl Bumped {
+impl CollisionRecord {
     fn of(collision: &Collision, drive: usize) -> Self {
         Self {
             drive,

@@ -54,7 +54,7 @@ fn pieces(knots: &[Knot], half_track: f64) -> Vec<&[Knot]> {
     let mut pieces = Vec::new();
     let (mut first, mut before) = (0, [0.0; 2]);
     for (i, pair) in knots.windows(2).enumerate() {
-        let rims = rims(moved(pair[0].pose, pair[1].pose), half_track);
+        let rims = Arc::between(pair[0].pose, pair[1].pose).rims(half_track);
         if rims.iter().all(|rim| rim.abs() < ROUNDING) {
             continue;
         }
@@ -72,8 +72,8 @@ fn pieces(knots: &[Knot], half_track: f64) -> Vec<&[Knot]> {
 /// Poses along a piece at equal distances, measured along the rims.
 fn divided(piece: &[Knot], half_track: f64) -> Vec<Pose2> {
     let length = |pair: &[Knot]| {
-        let (along, turn) = moved(pair[0].pose, pair[1].pose);
-        along.abs() + half_track * turn.abs()
+        let arc = Arc::between(pair[0].pose, pair[1].pose);
+        arc.length.abs() + half_track * arc.turn.abs()
     };
     let whole: f64 = piece.windows(2).map(length).sum();
     let count = (whole / SEGMENT_M).ceil().max(MIN_SEGMENTS);
@@ -108,15 +108,41 @@ fn times(poses: &[Pose2], limits: &Limits) -> Option<Vec<f64>> {
     path.times()
 }
 
-/// Length in metres and turn in radians of the arc from one pose to another.
-fn moved(from: Pose2, to: Pose2) -> (f64, f64) {
-    let velocity = velocity(from, to, 1.0);
-    (velocity.linear, velocity.angular)
+/// The arc from one pose to another.
+#[derive(Debug, Clone, Copy)]
+struct Arc {
+    /// Metres, negative backwards.
+    length: f64,
+    /// Radians, counter-clockwise.
+    turn: f64,
 }
 
-/// Distance covered by the left and the right rim, metres.
-fn rims((along, turn): (f64, f64), half_track: f64) -> [f64; 2] {
-    [along - half_track * turn, along + half_track * turn]
+impl Arc {
+    fn between(from: Pose2, to: Pose2) -> Self {
+        // In one second, velocities are distances.
+        let velocity = velocity(from, to, 1.0);
+        Self {
+            length: velocity.linear,
+            turn: velocity.angular,
+        }
+    }
+
+    /// Distance covered by the left and the right rim, metres.
+    fn rims(self, half_track: f64) -> [f64; 2] {
+        let Self { length, turn } = self;
+        [length - half_track * turn, length + half_track * turn]
+    }
+
+    /// The largest z on a segment with this arc by the limits of speed and turn rate.
+    fn cap(self, limits: &Limits) -> f64 {
+        let speed = if self.length < 0.0 {
+            limits.backward
+        } else {
+            limits.forward
+        };
+        let rate = (speed / self.length.abs()).min(limits.turn / self.turn.abs());
+        (rate * rate).min(MAX_Z)
+    }
 }
 
 /// The motion of both rims along a path.
@@ -130,25 +156,17 @@ struct RimPath {
 
 impl RimPath {
     fn of(poses: &[Pose2], limits: &Limits) -> Self {
-        let moved: Vec<(f64, f64)> = poses.windows(2).map(|w| moved(w[0], w[1])).collect();
-        let cap = |&(along, turn): &(f64, f64)| {
-            let speed = if along < 0.0 {
-                limits.backward
-            } else {
-                limits.forward
-            };
-            let rate = (speed / along.abs()).min(limits.turn / turn.abs());
-            (rate * rate).min(MAX_Z)
-        };
-        let inner = moved.windows(2).map(|w| cap(&w[0]).min(cap(&w[1])));
-        let caps = std::iter::once(0.0).chain(inner).chain([0.0]).collect();
-        let rims = moved
-            .iter()
-            .map(|&moved| rims(moved, limits.half_track))
+        let arcs: Vec<Arc> = poses
+            .windows(2)
+            .map(|pair| Arc::between(pair[0], pair[1]))
             .collect();
+        let inner = arcs
+            .windows(2)
+            .map(|pair| pair[0].cap(limits).min(pair[1].cap(limits)));
         Self {
-            rims,
-            caps,
+            rims: arcs.iter().map(|arc| arc.rims(limits.half_track)).collect(),
+            // From rest to rest.
+            caps: std::iter::once(0.0).chain(inner).chain([0.0]).collect(),
             acceleration: limits.acceleration,
         }
     }
@@ -158,7 +176,7 @@ impl RimPath {
         let reach = self.controllable();
         let (mut z, mut times) = (0.0_f64, vec![0.0]);
         for k in 0..self.rims.len() {
-            let most = self.range(k, z, reach[k + 1])?.1;
+            let most = self.largest_acceleration(k, z, reach[k + 1])?;
             let next = (z + 2.0 * most).clamp(0.0, reach[k + 1]);
             let rate = (z.sqrt() + next.sqrt()) / 2.0;
             times.push(times[k] + 1.0 / rate);
@@ -192,12 +210,12 @@ impl RimPath {
         let mut reach = self.caps.clone();
         for k in (0..self.rims.len()).rev() {
             let (mut low, mut high) = (if k == 0 { 0.0 } else { MIN_Z }, reach[k]);
-            if self.range(k, high, reach[k + 1]).is_some() {
+            if self.largest_acceleration(k, high, reach[k + 1]).is_some() {
                 continue;
             }
             for _ in 0..BISECTIONS {
                 let middle = (low + high) / 2.0;
-                let is_possible = self.range(k, middle, reach[k + 1]).is_some();
+                let is_possible = self.largest_acceleration(k, middle, reach[k + 1]).is_some();
                 *(if is_possible { &mut low } else { &mut high }) = middle;
             }
             // Slightly below the bound, so that rounding cannot exceed it.
@@ -206,9 +224,9 @@ impl RimPath {
         reach
     }
 
-    /// The admissible accelerations s̈ on segment `k`: both rims respect their limit at both ends,
-    /// and the next z is between [`MIN_Z`] and `most`.
-    fn range(&self, k: usize, z: f64, most: f64) -> Option<(f64, f64)> {
+    /// The largest s̈ on segment `k` with which both rims respect their limit at both ends, and the
+    /// next z is between [`MIN_Z`] and `most`; `None` if there is none.
+    fn largest_acceleration(&self, k: usize, z: f64, most: f64) -> Option<f64> {
         let least = if k + 1 == self.rims.len() { 0.0 } else { MIN_Z };
         let (mut low, mut high) = ((least - z) / 2.0, (most - z) / 2.0);
         let here = self.rims[k];
@@ -232,7 +250,8 @@ impl RimPath {
                 }
             }
         }
-        (low <= high + ROUNDING * (1.0 + low.abs())).then_some((low.min(high), high))
+        // The bounds may cross by rounding.
+        (low <= high + ROUNDING * (1.0 + low.abs())).then_some(high)
     }
 }
 

@@ -217,29 +217,22 @@ impl Draft<'_> {
         self.goal = Pose2::new(at.x, at.y, self.between(-3.1, 3.1));
     }
 
-    fn wall(&mut self, from: (f64, f64), to: (f64, f64)) -> Result<(), ShapeError> {
-        let point = |p: (f64, f64)| MapPoint::new(p.0, p.1);
-        self.obstacles.push(Obstacle::wall(point(from), point(to))?);
+    fn wall(&mut self, from: MapPoint, to: MapPoint) -> Result<(), ShapeError> {
+        self.obstacles.push(Obstacle::wall(from, to)?);
         Ok(())
     }
 
-    fn block(&mut self, low: (f64, f64), high: (f64, f64)) -> Result<(), ShapeError> {
-        let corners = [
-            (low.0, low.1),
-            (high.0, low.1),
-            (high.0, high.1),
-            (low.0, high.1),
-        ];
-        self.obstacles.push(Obstacle::new(
-            &corners.map(|(x, y)| MapPoint::new(x, y)),
-            0.0,
-            Vector2::ZERO,
-        )?);
+    /// Adds an axis-parallel box.
+    fn block(&mut self, low: MapPoint, high: MapPoint) -> Result<(), ShapeError> {
+        let corners = [low, point(high.x, low.y), high, point(low.x, high.y)];
+        self.obstacles
+            .push(Obstacle::new(&corners, 0.0, Vector2::ZERO)?);
         Ok(())
     }
 
-    fn room(&mut self, low: (f64, f64), high: (f64, f64)) -> Result<(), ShapeError> {
-        let corners = [low, (high.0, low.1), high, (low.0, high.1), low];
+    /// Adds the four walls of an axis-parallel room.
+    fn room(&mut self, low: MapPoint, high: MapPoint) -> Result<(), ShapeError> {
+        let corners = [low, point(high.x, low.y), high, point(low.x, high.y), low];
         corners.windows(2).try_for_each(|w| self.wall(w[0], w[1]))
     }
 
@@ -297,9 +290,9 @@ impl Draft<'_> {
             self.between(-1.5, 1.5),
             self.between(0.02, 0.5),
         );
-        self.room((-1.0, -3.0), (5.0, 3.0))?;
-        self.block((x, -3.0), (x + thick, y - half))?;
-        self.block((x, y + half), (x + thick, 3.0))?;
+        self.room(point(-1.0, -3.0), point(5.0, 3.0))?;
+        self.block(point(x, -3.0), point(x + thick, y - half))?;
+        self.block(point(x, y + half), point(x + thick, 3.0))?;
         self.goal = Pose2::new(
             self.between(x + thick + 0.6, 4.5),
             self.between(-2.0, 2.0),
@@ -317,12 +310,12 @@ impl Draft<'_> {
         };
         let (front, back) = (self.between(0.3, 1.5), self.between(0.5, 2.0));
         let closed = self.chance(0.15);
-        self.room((-back - 3.0, -3.0), (front + 2.0, 3.0))?;
-        self.block((-back, half), (front, half + 0.1))?;
-        self.block((-back, -half - 0.1), (front, -half))?;
-        self.block((front, -half - 0.1), (front + 0.1, half + 0.1))?;
+        self.room(point(-back - 3.0, -3.0), point(front + 2.0, 3.0))?;
+        self.block(point(-back, half), point(front, half + 0.1))?;
+        self.block(point(-back, -half - 0.1), point(front, -half))?;
+        self.block(point(front, -half - 0.1), point(front + 0.1, half + 0.1))?;
         if closed {
-            self.block((-back - 0.1, -half - 0.1), (-back, half + 0.1))?;
+            self.block(point(-back - 0.1, -half - 0.1), point(-back, half + 0.1))?;
         }
         let behind = self.chance(0.5);
         let x = if behind {
@@ -339,9 +332,9 @@ impl Draft<'_> {
         let y = self.between(-1.0, 1.0);
         let width = self.between(0.5, 1.0);
         let far = x + 0.1 + width;
-        self.room((-1.5, -3.0), (far, 3.0))?;
-        self.block((x, -3.0), (x + 0.1, y - half))?;
-        self.block((x, y + half), (x + 0.1, 3.0))?;
+        self.room(point(-1.5, -3.0), point(far, 3.0))?;
+        self.block(point(x, -3.0), point(x + 0.1, y - half))?;
+        self.block(point(x, y + half), point(x + 0.1, 3.0))?;
         let side = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
         let along = side * self.between(1.0, 1.8) + y;
         self.goal = Pose2::new(
@@ -354,7 +347,7 @@ impl Draft<'_> {
 
     fn u_turn(&mut self) -> Result<(), ShapeError> {
         let half = self.between(0.3, 1.0);
-        self.room((-5.0, -half), (2.0, half))?;
+        self.room(point(-5.0, -half), point(2.0, half))?;
         let x = -self.between(1.0, 4.0);
         self.goal = Pose2::new(
             x,
@@ -403,8 +396,8 @@ impl Draft<'_> {
         self.goal = Pose2::new(self.between(4.0, 6.0), 0.0, 0.0);
         if self.chance(0.5) {
             let half = self.between(0.9, 1.5);
-            self.wall((-3.0, half), (8.0, half))?;
-            self.wall((-3.0, -half), (8.0, -half))?;
+            self.wall(point(-3.0, half), point(8.0, half))?;
+            self.wall(point(-3.0, -half), point(8.0, -half))?;
         }
         let speed = self.between(0.4, 1.3);
         let at = MapPoint::new(self.between(1.5, 2.5), self.between(-0.1, 0.1));
@@ -418,11 +411,11 @@ impl Draft<'_> {
         let gap = self.between(0.0, 0.005);
         let (x, y) = (self.robot.length / 2.0, self.robot.width / 2.0);
         match self.rng.random_range(0..3) {
-            0 => self.block((x + gap, -0.4), (x + gap + 0.2, 0.4)),
-            1 => self.block((-0.5, y + gap), (0.8, y + gap + 0.1)),
+            0 => self.block(point(x + gap, -0.4), point(x + gap + 0.2, 0.4)),
+            1 => self.block(point(-0.5, y + gap), point(0.8, y + gap + 0.1)),
             _ => {
-                self.block((-x - gap - 0.1, -0.4), (-x - gap, 0.4))?;
-                self.block((-0.5, y + gap), (0.8, y + gap + 0.1))
+                self.block(point(-x - gap - 0.1, -0.4), point(-x - gap, 0.4))?;
+                self.block(point(-0.5, y + gap), point(0.8, y + gap + 0.1))
             }
         }
     }
@@ -438,6 +431,10 @@ impl Draft<'_> {
         });
         Ok(())
     }
+}
+
+fn point(x: f64, y: f64) -> MapPoint {
+    MapPoint::new(x, y)
 }
 
 #[cfg(test)]

@@ -60,9 +60,18 @@ pub struct RoutingSpeed {
     pub build_peak_memory_mb: Option<f64>,
     /// Peak memory of the whole measurement, megabytes.
     pub peak_memory_mb: Option<f64>,
-    /// Distance in metres and duration in seconds of each pair; NaN without a route.
+    /// The route of each pair.
     #[serde(skip)]
-    pub answers: Vec<(f64, f64)>,
+    pub answers: Vec<RouteAnswer>,
+}
+
+/// Length and duration of a route; NaN without a route.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RouteAnswer {
+    /// Length, metres.
+    pub distance_m: f64,
+    /// Duration, seconds.
+    pub duration_s: f64,
 }
 
 /// Reads origin-destination pairs: rows of `lon,lat,lon,lat` in degrees. A heading is skipped.
@@ -157,7 +166,7 @@ pub fn measure(
         vertices: service.roads.network.vertices.len(),
         edges: service.roads.network.edge_count(),
         pairs: pairs.len(),
-        pairs_without_route: answers.iter().filter(|(metres, _)| metres.is_nan()).count(),
+        pairs_without_route: answers.iter().filter(|a| a.distance_m.is_nan()).count(),
         route_us_p50,
         route_us_p99,
         steps_us_p50,
@@ -295,16 +304,14 @@ fn table_request(pairs: &[[Place; 2]]) -> TableRequest {
 }
 
 /// Distance in metres and duration in seconds of a route; NaN without a route.
-fn answer(service: &Service, request: &Request, memory: &mut ServiceMemory) -> (f64, f64) {
-    let none = (f64::NAN, f64::NAN);
-    let Ok(body) = service.body(request, memory) else {
-        return none;
-    };
-    let Ok(json) = serde_json::from_slice::<serde_json::Value>(&body) else {
-        return none;
-    };
-    let number = |key: &str| json["routes"][0][key].as_f64().unwrap_or(f64::NAN);
-    (number("distance"), number("duration"))
+fn answer(service: &Service, request: &Request, memory: &mut ServiceMemory) -> RouteAnswer {
+    let body = service.body(request, memory).unwrap_or_default();
+    let json: serde_json::Value = serde_json::from_slice(&body).unwrap_or_default();
+    let route = &json["routes"][0];
+    RouteAnswer {
+        distance_m: route["distance"].as_f64().unwrap_or(f64::NAN),
+        duration_s: route["duration"].as_f64().unwrap_or(f64::NAN),
+    }
 }
 
 /// The median and the 99th percentile, microseconds.

@@ -19,7 +19,6 @@ pub mod windows;
 
 use std::path::{Path, PathBuf};
 
-use openbench_core::LonLat;
 use openbench_osm::write_atomically;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -30,7 +29,7 @@ pub use odometry::OdometrySum;
 pub use plan::TownsPlan;
 pub use summary::{Town, Towns};
 pub use windows::MIN_DOORS;
-use windows::{Maps, Place};
+use windows::{DrawnWorld, Maps, WindowPlace};
 
 /// The file of a finished window.
 const TOWN_FILE: &str = "town.json";
@@ -69,12 +68,10 @@ pub fn run(request: &TownsRequest<'_>) -> Result<Towns, BenchError> {
             towns.push(town);
             continue;
         }
-        let taken: Vec<(usize, LonLat)> = towns
-            .iter()
-            .map(|town| (town.place.map, town.place.around))
-            .collect();
-        let Some((place, prepared)) =
-            maps.draw(request.plan, number, &taken, &folder.join("world"))?
+        let taken: Vec<&WindowPlace> = towns.iter().map(|town| &town.place).collect();
+        let world = folder.join("world");
+        let Some(DrawnWorld { place, prepared }) =
+            maps.draw(request.plan, number, &taken, &world)?
         else {
             // No map has space for another window.
             break;
@@ -89,9 +86,9 @@ pub fn run(request: &TownsRequest<'_>) -> Result<Towns, BenchError> {
 
 /// A window with its world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Drawn {
+pub struct DrawnWindow {
     /// Position of the window.
-    pub place: Place,
+    pub place: WindowPlace,
     /// The folder of its world.
     pub world: PathBuf,
 }
@@ -100,20 +97,17 @@ pub struct Drawn {
 ///
 /// # Errors
 /// A folder with windows of another plan, or a map that cannot be read.
-pub fn draw(plan: &TownsPlan, windows: usize, out: &Path) -> Result<Vec<Drawn>, BenchError> {
+pub fn draw(plan: &TownsPlan, windows: usize, out: &Path) -> Result<Vec<DrawnWindow>, BenchError> {
     claim(plan, out)?;
     let maps = Maps::read(&plan.maps)?;
-    let mut drawn: Vec<Drawn> = Vec::new();
+    let mut drawn: Vec<DrawnWindow> = Vec::new();
     for number in 0..windows {
-        let taken: Vec<(usize, LonLat)> = drawn
-            .iter()
-            .map(|Drawn { place, .. }| (place.map, place.around))
-            .collect();
+        let taken: Vec<&WindowPlace> = drawn.iter().map(|window| &window.place).collect();
         let world = folder(out, number).join("world");
-        let Some((place, _)) = maps.draw(plan, number, &taken, &world)? else {
+        let Some(DrawnWorld { place, .. }) = maps.draw(plan, number, &taken, &world)? else {
             break;
         };
-        drawn.push(Drawn { place, world });
+        drawn.push(DrawnWindow { place, world });
     }
     Ok(drawn)
 }
@@ -141,7 +135,7 @@ fn claim(plan: &TownsPlan, out: &Path) -> Result<(), BenchError> {
 fn drive(
     request: &TownsRequest<'_>,
     number: usize,
-    place: Place,
+    place: WindowPlace,
     prepared: &Prepared,
     folder: &Path,
 ) -> Result<Town, BenchError> {

@@ -3,8 +3,7 @@
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use nalgebra::Matrix6;
-use openbench_core::{Observation, Pose3, RobotDescription, SimTime};
+use openbench_core::{Observation, Pose3, RobotDescription};
 use openbench_localization::lidar_inertial::settings;
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Status};
 use openbench_localization::wheels::Wheels;
@@ -12,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::tour::{Style, Tour, drive};
 use openbench_bench::score::metrics::consistency::pose_at;
-use openbench_bench::score::metrics::{Nees, nees};
+use openbench_bench::score::metrics::{EstimatedPose, Nees, StampedPose, nees};
 use openbench_bench::{BenchError, Prepared};
 
 /// Simulated duration of the drive.
@@ -63,8 +62,8 @@ pub fn measure(prepared: &Prepared, seed: u64) -> Result<OdometrySum, BenchError
 struct Follower {
     odometry: LidarInertialOdometry,
     wheels: Wheels,
-    estimates: Vec<(SimTime, Pose3, Matrix6<f64>)>,
-    truth: Vec<(SimTime, Pose3)>,
+    estimates: Vec<EstimatedPose>,
+    truth: Vec<StampedPose>,
     coasting: usize,
     disputed: usize,
     spent: Duration,
@@ -86,7 +85,10 @@ impl Follower {
     }
 
     fn take(&mut self, observation: &Observation<'_>, truth: Pose3) {
-        self.truth.push((observation.time, truth));
+        self.truth.push(StampedPose {
+            time: observation.time,
+            pose: truth,
+        });
         let began = ThreadTime::now();
         let speeds = observation
             .wheels
@@ -111,21 +113,16 @@ impl Follower {
         for estimate in estimates {
             self.coasting += usize::from(estimate.status == Status::Coasting);
             self.disputed += usize::from(estimate.status == Status::Disputed);
-            self.estimates
-                .push((estimate.stamp, estimate.pose, estimate.covariance));
+            self.estimates.push(EstimatedPose {
+                time: estimate.stamp,
+                pose: estimate.pose,
+                covariance: estimate.covariance,
+            });
         }
     }
 
     fn sum(mut self, metres: f64, robot: &RobotDescription) -> OdometrySum {
         self.times.sort_unstable();
-        let time = |part: usize| {
-            let time = self
-                .times
-                .get(self.times.len() * part / 100)
-                .copied()
-                .unwrap_or_default();
-            time.as_secs_f64() * 1e3
-        };
         let distances = distances(&self.estimates, &self.truth);
         let squares: f64 = distances.iter().map(|d| d * d).sum();
         OdometrySum {
@@ -136,23 +133,31 @@ impl Follower {
             rms_m: (squares / distances.len().max(1) as f64).sqrt(),
             max_m: distances.iter().copied().fold(0.0, f64::max),
             nees: nees(&self.estimates, &self.truth, &robot.imu),
-            cpu_ms_p50: time(50),
-            cpu_ms_p99: time(99),
+            cpu_ms_p50: percentile_ms(&self.times, 50),
+            cpu_ms_p99: percentile_ms(&self.times, 99),
         }
     }
 }
 
+/// A percentile of ascending times, milliseconds; 0 without times.
+fn percentile_ms(ascending: &[Duration], percent: usize) -> f64 {
+    let time = ascending.get(ascending.len() * percent / 100);
+    time.copied().unwrap_or_default().as_secs_f64() * 1e3
+}
+
 /// Distances of the estimated from the true positions after alignment at the first pose, metres.
-fn distances(estimates: &[(SimTime, Pose3, Matrix6<f64>)], truth: &[(SimTime, Pose3)]) -> Vec<f64> {
+fn distances(estimates: &[EstimatedPose], truth: &[StampedPose]) -> Vec<f64> {
     let Some(alignment) = estimates
         .first()
-        .and_then(|(time, pose, _)| Some(pose * pose_at(truth, *time)?.inverse()))
+        .and_then(|first| Some(first.pose * pose_at(truth, first.time)?.inverse()))
     else {
         return Vec::new();
     };
-    let error = |(time, pose, _): &(SimTime, Pose3, Matrix6<f64>)| {
-        let expected = alignment * pose_at(truth, *time)?;
-        Some((pose.translation.vector - expected.translation.vector).norm())
-    };
-    estimates.iter().filter_map(error).collect()
+    estimates
+        .iter()
+        .filter_map(|estimate| {
+            let expected = alignment * pose_at(truth, estimate.time)?;
+            Some((estimate.pose.translation.vector - expected.translation.vector).norm())
+        })
+        .collect()
 }

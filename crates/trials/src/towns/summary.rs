@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::odometry::OdometrySum;
 use super::plan::TownsPlan;
-use super::windows::Place;
+use super::windows::WindowPlace;
 use openbench_bench::score::metrics::{ErrorCounts, RunTotals, summarize};
 use openbench_bench::score::results::{DeliveryResult, Metrics, Results};
 
@@ -17,7 +17,7 @@ pub struct Town {
     /// Number of the window.
     pub number: usize,
     /// Position of the window.
-    pub place: Place,
+    pub place: WindowPlace,
     /// Results of the deliveries.
     pub results: Results,
     /// Errors of the poses that the agent reported.

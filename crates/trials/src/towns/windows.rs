@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::TownsPlan;
 use openbench_bench::worlds::Recipe;
-use openbench_bench::worlds::folder::{Wanted, write};
+use openbench_bench::worlds::folder::{DrawRequest, write};
 use openbench_bench::{BenchError, Prepared};
 
 /// Minimum number of doors to deliver to in a window.
@@ -24,13 +24,21 @@ const METRES_PER_DEGREE: f64 = 111_320.0;
 
 /// The position of a window.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct WindowPlace {
     /// Index of the map in the plan.
     pub map: usize,
     /// Name of the map and number of the window.
     pub name: String,
     /// Centre of the window.
     pub around: LonLat,
+}
+
+/// A window with its world, ready to run.
+pub struct DrawnWorld {
+    /// Position of the window.
+    pub place: WindowPlace,
+    /// Its world.
+    pub prepared: Prepared,
 }
 
 /// Maps with the positions of their buildings.
@@ -53,8 +61,8 @@ impl Maps {
         Ok(Self(maps?))
     }
 
-    /// Draws window `number` of a plan, which does not overlap those that are `taken`, and writes
-    /// its world to `folder`.
+    /// Draws window `number` of a plan, which overlaps none of the `taken` ones, and writes its world
+    /// to `folder`.
     ///
     /// If its map has no space for another window, the next map is used; `None` if no map has.
     ///
@@ -64,9 +72,9 @@ impl Maps {
         &self,
         plan: &TownsPlan,
         number: usize,
-        taken: &[(usize, LonLat)],
+        taken: &[&WindowPlace],
         folder: &Path,
-    ) -> Result<Option<(Place, Prepared)>, BenchError> {
+    ) -> Result<Option<DrawnWorld>, BenchError> {
         for turn in 0..self.0.len() {
             let map = (number + turn) % self.0.len();
             let drawn = self.draw_from(map, plan, number, taken, folder)?;
@@ -82,9 +90,9 @@ impl Maps {
         map: usize,
         plan: &TownsPlan,
         number: usize,
-        taken: &[(usize, LonLat)],
+        taken: &[&WindowPlace],
         folder: &Path,
-    ) -> Result<Option<(Place, Prepared)>, BenchError> {
+    ) -> Result<Option<DrawnWorld>, BenchError> {
         let Map {
             name,
             data,
@@ -94,11 +102,12 @@ impl Maps {
         let mut tried: Vec<LonLat> = Vec::new();
         for _ in 0..MAX_TRIES.min(buildings.len()) {
             let around = buildings[random.random_range(0..buildings.len())];
-            let near = |other: &LonLat, apart: f64| metres(around, *other) < apart;
-            let overlaps = taken
-                .iter()
-                .any(|(m, other)| *m == map && near(other, 2.0 * plan.radius));
-            if overlaps || tried.iter().any(|other| near(other, plan.radius / 2.0)) {
+            let overlaps = taken.iter().any(|window| {
+                window.map == map && metres(around, window.around) < 2.0 * plan.radius
+            });
+            // A centre near one that did not suit will hardly suit.
+            let is_known = |other: &LonLat| metres(around, *other) < plan.radius / 2.0;
+            if overlaps || tried.iter().any(is_known) {
                 continue;
             }
             tried.push(around);
@@ -109,13 +118,13 @@ impl Maps {
                 continue;
             }
             let part = cut_out(data, &window);
-            let place = Place {
+            let place = WindowPlace {
                 map,
                 name: format!("{name}-{number:03}"),
                 around,
             };
             if let Some(prepared) = write_world(plan, number, &place, &part, folder)? {
-                return Ok(Some((place, prepared)));
+                return Ok(Some(DrawnWorld { place, prepared }));
             }
         }
         Ok(None)
@@ -151,7 +160,7 @@ fn metres(a: LonLat, b: LonLat) -> f64 {
 fn write_world(
     plan: &TownsPlan,
     number: usize,
-    place: &Place,
+    place: &WindowPlace,
     map: &OsmData,
     folder: &Path,
 ) -> Result<Option<Prepared>, BenchError> {
@@ -162,13 +171,14 @@ fn write_world(
     };
     let seed = plan.window_seed(number);
     let recipe = Recipe::generated(&place.name, georeference, seed);
-    let wanted = Wanted {
+    let request = DrawRequest {
         singles: 4,
-        sequences: (1, 3),
-        reach: 2.0 * plan.radius,
+        sequences: 1,
+        sequence_length: 3,
+        max_distance_m: 2.0 * plan.radius,
         seed,
     };
-    match write(folder, &recipe, map, wanted) {
+    match write(folder, &recipe, map, request) {
         Ok(written) if written.candidates >= MIN_DOORS => {
             Ok(Some(written.prepared.with_episodes(None)?))
         }

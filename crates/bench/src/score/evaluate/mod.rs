@@ -159,14 +159,9 @@ fn score(tasks: &[LoggedTask], episodes: &[Vec<MapPoint>]) -> Result<Evaluation,
     if truths == 0 {
         return Err("there are no true positions; write one `(x, y)` per line".to_owned());
     }
-    let places = episodes.iter().enumerate().flat_map(|(episode, doors)| {
-        let before = std::iter::once(MapPoint::default()).chain(doors.iter().copied());
-        let legs = before.zip(doors.iter().copied()).enumerate();
-        legs.map(move |(task, (from, door))| (episode, task, from, door))
-    });
-    let deliveries: Vec<_> = places
+    let deliveries: Vec<_> = legs(episodes)
         .zip(tasks)
-        .map(|(place, task)| score_task(place, task))
+        .map(|(leg, task)| score_task(&leg, task))
         .collect();
     Ok(Evaluation {
         metrics: metrics(&deliveries),
@@ -174,10 +169,35 @@ fn score(tasks: &[LoggedTask], episodes: &[Vec<MapPoint>]) -> Result<Evaluation,
     })
 }
 
-fn score_task(
-    (episode, task, from, door): (usize, usize, MapPoint, MapPoint),
-    log: &LoggedTask,
-) -> EvaluatedDelivery {
+/// The straight line that the path of a delivery is compared with.
+struct Leg {
+    episode: usize,
+    task: usize,
+    from: MapPoint,
+    door: MapPoint,
+}
+
+/// The legs of all episodes, each from the origin to the first door and on to the next.
+fn legs(episodes: &[Vec<MapPoint>]) -> impl Iterator<Item = Leg> {
+    episodes.iter().enumerate().flat_map(|(episode, doors)| {
+        let starts = std::iter::once(&MapPoint { x: 0.0, y: 0.0 }).chain(doors);
+        let ends = starts.zip(doors).enumerate();
+        ends.map(move |(task, (&from, &door))| Leg {
+            episode,
+            task,
+            from,
+            door,
+        })
+    })
+}
+
+fn score_task(leg: &Leg, log: &LoggedTask) -> EvaluatedDelivery {
+    let &Leg {
+        episode,
+        task,
+        from,
+        door,
+    } = leg;
     EvaluatedDelivery {
         episode,
         task,

@@ -19,59 +19,87 @@ pub struct Nees {
     pub ground: f64,
 }
 
-/// The NEES of estimated poses of `base_link`; `None` for fewer than two poses with a known true
-/// pose.
+/// A true pose of `base_link`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StampedPose {
+    /// When the robot was there.
+    pub time: SimTime,
+    /// The pose, in the frame of the trajectory.
+    pub pose: Pose3,
+}
+
+/// An estimated pose of `base_link`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EstimatedPose {
+    /// When the robot was estimated to be there.
+    pub time: SimTime,
+    /// The pose, in the frame of the trajectory.
+    pub pose: Pose3,
+    /// Covariance of the IMU's rotation, in the IMU frame, radians, and of its position, metres.
+    pub covariance: Matrix6<f64>,
+}
+
+/// The NEES of estimated poses; `None` for fewer than two poses with a known true pose.
 ///
-/// Each covariance is that of the IMU's rotation, in the IMU frame, and of its position; `imu` is
-/// the pose of the IMU on the robot. The trajectories are aligned at the first pose, which
+/// `imu` is the pose of the IMU on the robot. The trajectories are aligned at the first pose, which
 /// therefore has no error and is left out.
-pub fn nees(
-    estimates: &[(SimTime, Pose3, Matrix6<f64>)],
-    truth: &[(SimTime, Pose3)],
-    imu: &Pose3,
-) -> Option<Nees> {
-    let (start, first, _) = estimates.first()?;
-    let from_first = pose_at(truth, *start)?.inverse();
-    let errors = estimates[1..]
-        .iter()
-        .filter_map(|(stamp, pose, covariance)| {
-            let expected = first * from_first * pose_at(truth, *stamp)? * imu;
-            let pose = pose * imu;
-            let rotation = (expected.rotation.inverse() * pose.rotation).scaled_axis();
-            let position = pose.translation.vector - expected.translation.vector;
-            let error = Vector6::new(
-                rotation.x, rotation.y, rotation.z, position.x, position.y, position.z,
-            );
-            // Yaw (of a robot that is nearly upright), x, y.
-            let ground = error.select_rows(&[2, 3, 4]);
-            let ground_covariance = covariance
-                .select_rows(&[2, 3, 4])
-                .select_columns(&[2, 3, 4]);
-            let squared = error.dot(&(covariance.try_inverse()? * error));
-            Some([
-                squared,
-                ground.dot(&(ground_covariance.try_inverse()? * &ground)),
-            ])
-        });
-    let errors: Vec<[f64; 2]> = errors.collect();
-    let [end, ground] = *errors.last()?;
+pub fn nees(estimates: &[EstimatedPose], truth: &[StampedPose], imu: &Pose3) -> Option<Nees> {
+    let first = estimates.first()?;
+    let from_first = pose_at(truth, first.time)?.inverse();
+    let errors = estimates[1..].iter().filter_map(|estimate| {
+        let expected = first.pose * from_first * pose_at(truth, estimate.time)? * imu;
+        squared_errors(estimate, expected, imu)
+    });
+    let errors: Vec<SquaredErrors> = errors.collect();
+    let last = errors.last()?;
     Some(Nees {
-        mean: errors.iter().map(|e| e[0]).sum::<f64>() / errors.len() as f64,
-        end,
-        ground,
+        mean: errors.iter().map(|e| e.all).sum::<f64>() / errors.len() as f64,
+        end: last.all,
+        ground: last.ground,
+    })
+}
+
+/// Normalized squared errors of a pose.
+struct SquaredErrors {
+    /// Along all six axes.
+    all: f64,
+    /// Of yaw, x and y.
+    ground: f64,
+}
+
+/// The errors of an estimate if the IMU is at `expected`; `None` for a singular covariance.
+fn squared_errors(estimate: &EstimatedPose, expected: Pose3, imu: &Pose3) -> Option<SquaredErrors> {
+    /// Rows of yaw (of a robot that is nearly upright), x and y.
+    const GROUND: [usize; 3] = [2, 3, 4];
+    let EstimatedPose {
+        pose, covariance, ..
+    } = estimate;
+    let pose = pose * imu;
+    let rotation = (expected.rotation.inverse() * pose.rotation).scaled_axis();
+    let position = pose.translation.vector - expected.translation.vector;
+    let error = Vector6::new(
+        rotation.x, rotation.y, rotation.z, position.x, position.y, position.z,
+    );
+    let ground = error.select_rows(&GROUND);
+    let ground_covariance = covariance.select_rows(&GROUND).select_columns(&GROUND);
+    Some(SquaredErrors {
+        all: error.dot(&(covariance.try_inverse()? * error)),
+        ground: ground.dot(&(ground_covariance.try_inverse()? * &ground)),
     })
 }
 
 /// The true pose at an instant, interpolated between two known poses; `None` outside their
 /// interval.
-pub fn pose_at(truth: &[(SimTime, Pose3)], time: SimTime) -> Option<Pose3> {
-    let after = truth.partition_point(|(t, _)| *t < time);
-    let (t1, b) = truth.get(after)?;
-    let Some((t0, a)) = after.checked_sub(1).and_then(|i| truth.get(i)) else {
-        return (*t1 == time).then_some(*b);
+pub fn pose_at(truth: &[StampedPose], time: SimTime) -> Option<Pose3> {
+    let after = truth.partition_point(|known| known.time < time);
+    let next = truth.get(after)?;
+    let Some(last) = after.checked_sub(1).and_then(|i| truth.get(i)) else {
+        return (next.time == time).then_some(next.pose);
     };
-    let part = time.since(*t0).as_secs_f64() / t1.since(*t0).as_secs_f64();
-    a.try_lerp_slerp(b, part, 1e-9).or(Some(*b))
+    let part = time.since(last.time).as_secs_f64() / next.time.since(last.time).as_secs_f64();
+    // Opposite rotations have no shortest way between them.
+    let between = last.pose.try_lerp_slerp(&next.pose, part, 1e-9);
+    between.or(Some(next.pose))
 }
 
 #[cfg(test)]
@@ -93,19 +121,21 @@ mod tests {
             nalgebra::Vector3::new(0.3, 0.0, 0.2),
             nalgebra::Vector3::z() * 0.4,
         );
-        let truth = [
-            (SimTime::ZERO, turned),
-            (SimTime::from_millis(100), turned * driven),
-        ];
+        let truth = [(0, turned), (100, turned * driven)].map(|(ms, pose)| StampedPose {
+            time: SimTime::from_millis(ms),
+            pose,
+        });
         let deviations = Vector6::new(0.01, 0.02, 0.03, 0.4, 0.5, 0.6);
         let covariance = Matrix6::from_diagonal(&deviations.map(|x| x * x));
         let mut there = driven * imu;
         there.rotation *= nalgebra::UnitQuaternion::new(deviations.fixed_rows::<3>(0).into_owned());
         there.translation.vector += deviations.fixed_rows::<3>(3);
-        let estimates = [
-            (SimTime::ZERO, Pose3::identity(), covariance),
-            (SimTime::from_millis(100), there * imu.inverse(), covariance),
-        ];
+        let poses = [(0, Pose3::identity()), (100, there * imu.inverse())];
+        let estimates = poses.map(|(ms, pose)| EstimatedPose {
+            time: SimTime::from_millis(ms),
+            pose,
+            covariance,
+        });
         let found = nees(&estimates, &truth, &imu).unwrap();
         assert!(
             (found.end - 6.0).abs() < 1e-6 && (found.ground - 3.0).abs() < 1e-6,

@@ -1,7 +1,8 @@
 //! The doors that an agent added to its copy of the map, compared with those of the world.
 
-use openbench_core::{Address, MapPoint};
 use serde::{Deserialize, Serialize};
+
+use crate::trace::PlacedDoor;
 
 /// Maximum distance of a mapped door from its true position to count as found, metres.
 pub const DOOR_TOLERANCE_M: f64 = 2.0;
@@ -35,26 +36,16 @@ impl DoorScore {
 
 /// Scores the `written` doors against the `true_doors` of a world.
 ///
-/// Positions are in the `map` frame and on the outlines of buildings, as in OSM. A door that was
-/// written twice within the tolerance is found once, with the smaller of the two errors.
-pub fn score_doors(
-    written: &[(Address, MapPoint)],
-    true_doors: &[(Address, MapPoint)],
-) -> DoorScore {
-    let error = |(address, at): &(Address, MapPoint), door: &(Address, MapPoint)| {
-        let distance = at.distance(door.1);
-        (address.same_door(&door.0) && distance <= DOOR_TOLERANCE_M).then_some(distance)
-    };
-    let nearest = |door: &(Address, MapPoint)| {
-        written
-            .iter()
-            .filter_map(|w| error(w, door))
-            .min_by(f64::total_cmp)
-    };
-    let errors: Vec<f64> = true_doors.iter().filter_map(nearest).collect();
+/// A door that was written twice within the tolerance is found once, with the smaller of the two
+/// errors.
+pub fn score_doors(written: &[PlacedDoor], true_doors: &[PlacedDoor]) -> DoorScore {
+    let errors: Vec<f64> = true_doors
+        .iter()
+        .filter_map(|door| least_error(written, door))
+        .collect();
     let wrong = written
         .iter()
-        .filter(|w| !true_doors.iter().any(|d| error(w, d).is_some()))
+        .filter(|w| !true_doors.iter().any(|door| error(w, door).is_some()))
         .count();
     let mean = (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64);
     DoorScore {
@@ -65,12 +56,31 @@ pub fn score_doors(
     }
 }
 
+/// The error of the written door that is nearest to a door of the world; `None` if it was not found.
+fn least_error(written: &[PlacedDoor], door: &PlacedDoor) -> Option<f64> {
+    written
+        .iter()
+        .filter_map(|w| error(w, door))
+        .min_by(f64::total_cmp)
+}
+
+/// Distance of a written door from a door of the world, metres; `None` if they are not the same.
+fn error(written: &PlacedDoor, door: &PlacedDoor) -> Option<f64> {
+    let distance = written.position.distance(door.position);
+    let is_same = written.address.same_door(&door.address) && distance <= DOOR_TOLERANCE_M;
+    is_same.then_some(distance)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use openbench_core::{Address, MapPoint};
 
-    fn door(unit: &str, x: f64) -> (Address, MapPoint) {
-        (Address::new("building1", unit), MapPoint::new(x, 0.0))
+    fn door(unit: &str, x: f64) -> PlacedDoor {
+        PlacedDoor {
+            address: Address::new("building1", unit),
+            position: MapPoint::new(x, 0.0),
+        }
     }
 
     #[test]

@@ -40,7 +40,7 @@ impl From<Totals> for EncounterSum {
 
 impl EncounterSum {
     /// The sum of both.
-    pub fn and(self, other: Self) -> Self {
+    pub fn plus(self, other: Self) -> Self {
         let least = |a: Option<f64>, b: Option<f64>| match (a, b) {
             (Some(a), Some(b)) => Some(a.min(b)),
             (one, None) | (None, one) => one,
@@ -97,7 +97,7 @@ mod tests {
             nearest_person_m: Some(0.25),
             ..EncounterSum::default()
         };
-        let sum = first.and(second).and(third);
+        let sum = first.plus(second).plus(third);
         assert_eq!((sum.near_misses_people, sum.personal_seconds), (3, 2.0));
         assert_eq!(
             (sum.nearest_person_m, sum.nearest_car_m),

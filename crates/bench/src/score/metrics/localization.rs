@@ -2,59 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use openbench_core::frames::wrap_angle;
-use openbench_core::{Health, Pose2, PoseEstimate, SimTime};
+use openbench_core::Health;
 use serde::{Deserialize, Serialize};
+
+use crate::trace::PoseError;
 
 /// Error above which a pose reported as good counts as a silent divergence.
 const SILENT_DIVERGENCE_M: f64 = 1.0;
-
-/// The error of one estimated pose: estimate minus truth.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PoseError {
-    /// Time of the estimate.
-    pub time: SimTime,
-    /// Position error, metres, east and north.
-    pub offset: [f64; 2],
-    /// Heading error, radians, counter-clockwise.
-    pub yaw: f64,
-    /// Health of the estimate as reported by the agent.
-    pub health: Health,
-}
-
-impl PoseError {
-    /// The error of `estimate` while the robot is at `truth`, both in the `map` frame.
-    pub fn new(time: SimTime, truth: Pose2, estimate: PoseEstimate) -> Self {
-        let PoseEstimate { pose, health } = estimate;
-        let offset = [pose.x - truth.x, pose.y - truth.y];
-        Self {
-            time,
-            offset,
-            yaw: wrap_angle(pose.yaw - truth.yaw),
-            health,
-        }
-    }
-
-    /// The distance between estimated and true position, metres.
-    pub fn distance(&self) -> f64 {
-        libm::hypot(self.offset[0], self.offset[1])
-    }
-
-    /// Whether the error is large, but the agent reports good health.
-    fn is_silent(&self) -> bool {
-        // NaN is not near either.
-        let is_near = self.distance() <= SILENT_DIVERGENCE_M;
-        self.health == Health::Good && !is_near
-    }
-
-    /// Change of the error since an earlier one, metres.
-    fn jump(&self, before: &Self) -> f64 {
-        libm::hypot(
-            self.offset[0] - before.offset[0],
-            self.offset[1] - before.offset[1],
-        )
-    }
-}
 
 /// Statistics of the localization errors of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -151,7 +105,7 @@ pub fn localization<'a>(
             .fold(max_yaw_rad, f64::max);
         max_jump_m = errors
             .windows(2)
-            .map(|two| two[1].jump(two[0]))
+            .map(|two| jump(two[0], two[1]))
             .fold(max_jump_m, f64::max);
     }
     distances.sort_by(f64::total_cmp);
@@ -172,15 +126,31 @@ pub fn localization<'a>(
     })
 }
 
+/// Change of the error from one pose to the next, metres.
+fn jump(before: &PoseError, after: &PoseError) -> f64 {
+    libm::hypot(
+        after.offset[0] - before.offset[0],
+        after.offset[1] - before.offset[1],
+    )
+}
+
 /// Number of intervals in which the error is large, but the agent reports good health.
 fn divergences(errors: &[PoseError]) -> usize {
-    let begins = |i: usize| errors[i].is_silent() && !(i > 0 && errors[i - 1].is_silent());
+    let begins = |i: usize| is_silent(&errors[i]) && !(i > 0 && is_silent(&errors[i - 1]));
     (0..errors.len()).filter(|i| begins(*i)).count()
+}
+
+/// Whether the error is large, but the agent reports good health.
+fn is_silent(error: &PoseError) -> bool {
+    // Negated, since a distance of NaN is not near either.
+    let is_near = error.distance() <= SILENT_DIVERGENCE_M;
+    error.health == Health::Good && !is_near
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use openbench_core::{Pose2, PoseEstimate, SimTime};
 
     #[test]
     fn errors_are_pooled_over_episodes_but_jumps_are_within_one() {

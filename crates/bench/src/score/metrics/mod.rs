@@ -13,7 +13,6 @@
 //! | [`mod@srtp`] | SRTP: share of instructions with exactly the right plan |
 //! | [`collisions`] | collisions by class, with their impulses |
 //! | [`encounters`] | near misses with people and cars, time in people's personal space |
-//! | [`smoothness`] | turning, speed variation and stops |
 //! | [`doors`] | doors that an agent added to its map |
 //! | [`mod@localization`] | localization errors |
 //! | [`consistency`] | consistency of odometry errors with their covariances |
@@ -26,19 +25,17 @@ pub mod encounters;
 pub mod localization;
 pub mod path_ratio;
 pub mod sequence;
-pub mod smoothness;
 pub mod srtp;
 pub mod success;
 pub mod summary;
 
 pub use collisions::CollisionSum;
-pub use consistency::{Nees, nees};
+pub use consistency::{EstimatedPose, Nees, StampedPose, nees};
 pub use doors::{DoorScore, score_doors};
 pub use encounters::EncounterSum;
-pub use localization::{ErrorCounts, LocalizationSum, PoseError};
+pub use localization::{ErrorCounts, LocalizationSum};
 pub use path_ratio::{path_ratio, spl};
 pub use sequence::{sequence_mean, sequence_weights};
-pub use smoothness::{Smoothness, SmoothnessSum};
 pub use srtp::{ExpectedPlan, srtp};
 pub use success::{Strict, paper_success};
 pub use summary::{RunTotals, summarize};

@@ -7,9 +7,9 @@ use super::encounters::EncounterSum;
 use super::localization::LocalizationSum;
 use super::path_ratio::{path_ratio, spl};
 use super::sequence::sequence_mean;
-use super::smoothness::SmoothnessSum;
 use crate::score::results::{DeliveryResult, Metrics};
-use crate::score::statistics::{bootstrap_interval, wilson_interval};
+use crate::score::statistics::{Proportion, bootstrap_interval, wilson_interval};
+use crate::trace::SmoothnessSum;
 
 /// Totals of a run that are not in the results of its deliveries.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -20,9 +20,8 @@ pub struct RunTotals {
     pub wall_seconds: f64,
     /// CPU time of the process, seconds.
     pub cpu_seconds: f64,
-    /// Number of instructions with exactly the right plan, and of all instructions; `None` if the
-    /// agent makes no plans.
-    pub instructions: Option<(usize, usize)>,
+    /// Instructions with exactly the right plan, among all; `None` if the agent makes no plans.
+    pub instructions: Option<Proportion>,
     /// Errors of the poses that the agent reported.
     pub localization: Option<LocalizationSum>,
     /// Seed of the bootstrap.
@@ -38,8 +37,8 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
         encounters: deliveries
             .iter()
             .filter_map(|d| d.encounters)
-            .reduce(EncounterSum::and),
-        // Starting from +0: the empty `sum()` is -0.
+            .reduce(EncounterSum::plus),
+        // Folded from +0, since the `sum()` of nothing is -0, which JSON would show.
         path_m: deliveries
             .iter()
             .map(|d| d.path_m)
@@ -47,7 +46,7 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
         smoothness: deliveries
             .iter()
             .map(|d| d.smoothness)
-            .fold(SmoothnessSum::default(), SmoothnessSum::and),
+            .fold(SmoothnessSum::default(), SmoothnessSum::plus),
         localization: totals.localization,
         sim_seconds: totals.sim_seconds,
         wall_seconds: totals.wall_seconds,
@@ -62,27 +61,33 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
         seed: totals.seed,
         found: BTreeMap::new(),
     };
-    let count = |holds: fn(&DeliveryResult) -> bool| {
-        (
-            deliveries.iter().filter(|d| holds(d)).count(),
-            deliveries.len(),
-        )
-    };
-    metrics.sr_10m = intervals.rate("sr_10m", count(|d| d.success_10m));
-    metrics.sr_2m = intervals.rate("sr_2m", count(|d| d.success_2m));
-    metrics.correct_unit = intervals.rate("correct_unit", count(|d| d.correct_unit));
+    metrics.sr_10m = intervals.rate("sr_10m", Proportion::count(deliveries, |d| d.success_10m));
+    metrics.sr_2m = intervals.rate("sr_2m", Proportion::count(deliveries, |d| d.success_2m));
+    let correct_unit = Proportion::count(deliveries, |d| d.correct_unit);
+    metrics.correct_unit = intervals.rate("correct_unit", correct_unit);
     metrics.srtp = totals.instructions.and_then(|i| intervals.rate("srtp", i));
-    let over = |value: fn(&DeliveryResult) -> f64| deliveries.iter().map(value).collect::<Vec<_>>();
-    metrics.spl_straight = intervals.mean("spl_straight", &over(paper_ratio));
-    metrics.spl = intervals.mean("spl", &over(strict_ratio));
+    metrics.spl_straight = intervals.mean("spl_straight", &values(deliveries, paper_ratio));
+    metrics.spl = intervals.mean("spl", &values(deliveries, strict_ratio));
     let sequences = sequences(deliveries);
-    let over = |value: fn(&DeliveryResult) -> f64| sequence_means(&sequences, value);
-    metrics.lsr = intervals.mean("lsr", &over(|d| f64::from(d.success_2m)));
-    metrics.lspl = intervals.mean("lspl", &over(strict_ratio));
-    metrics.lsr_10m = intervals.mean("lsr_10m", &over(|d| f64::from(d.success_10m)));
-    metrics.lspl_straight = intervals.mean("lspl_straight", &over(paper_ratio));
+    metrics.lsr = intervals.mean("lsr", &sequence_means(&sequences, strict_success));
+    metrics.lspl = intervals.mean("lspl", &sequence_means(&sequences, strict_ratio));
+    metrics.lsr_10m = intervals.mean("lsr_10m", &sequence_means(&sequences, paper_success));
+    let paper_ratios = sequence_means(&sequences, paper_ratio);
+    metrics.lspl_straight = intervals.mean("lspl_straight", &paper_ratios);
     metrics.intervals = intervals.found;
     metrics
+}
+
+fn values(deliveries: &[DeliveryResult], value: fn(&DeliveryResult) -> f64) -> Vec<f64> {
+    deliveries.iter().map(value).collect()
+}
+
+fn paper_success(delivery: &DeliveryResult) -> f64 {
+    f64::from(delivery.success_10m)
+}
+
+fn strict_success(delivery: &DeliveryResult) -> f64 {
+    f64::from(delivery.success_2m)
 }
 
 fn paper_ratio(delivery: &DeliveryResult) -> f64 {
@@ -112,9 +117,13 @@ fn sequence_means(
     sequences: &[Vec<&DeliveryResult>],
     value: fn(&DeliveryResult) -> f64,
 ) -> Vec<f64> {
-    let mean =
-        |s: &Vec<&DeliveryResult>| sequence_mean(&s.iter().map(|d| value(d)).collect::<Vec<_>>());
-    sequences.iter().filter_map(mean).collect()
+    sequences
+        .iter()
+        .filter_map(|sequence| {
+            let values: Vec<f64> = sequence.iter().map(|delivery| value(delivery)).collect();
+            sequence_mean(&values)
+        })
+        .collect()
 }
 
 /// The intervals computed so far, by name of the metric.
@@ -124,15 +133,17 @@ struct Intervals {
 }
 
 impl Intervals {
-    fn rate(&mut self, name: &str, (successes, trials): (usize, usize)) -> Option<f64> {
-        self.found
-            .extend(wilson_interval(successes, trials).map(|i| (name.to_owned(), i)));
-        (trials > 0).then(|| successes as f64 / trials as f64)
+    /// Adds the interval of a rate; returns the rate.
+    fn rate(&mut self, name: &str, proportion: Proportion) -> Option<f64> {
+        let interval = wilson_interval(proportion.successes, proportion.trials);
+        self.found.extend(interval.map(|i| (name.to_owned(), i)));
+        proportion.rate()
     }
 
+    /// Adds the interval of a mean; returns the mean.
     fn mean(&mut self, name: &str, values: &[f64]) -> Option<f64> {
-        self.found
-            .extend(bootstrap_interval(values, self.seed).map(|i| (name.to_owned(), i)));
+        let interval = bootstrap_interval(values, self.seed);
+        self.found.extend(interval.map(|i| (name.to_owned(), i)));
         spl(values)
     }
 }
@@ -188,7 +199,7 @@ mod tests {
         let metrics = summarize(
             &[],
             &RunTotals {
-                instructions: Some((0, 0)),
+                instructions: Some(Proportion::default()),
                 ..RunTotals::default()
             },
         );

@@ -13,8 +13,7 @@ use std::time::Duration;
 
 use anyhow::Context;
 use cpu_time::ThreadTime;
-use nalgebra::Matrix6;
-use openbench_bench::score::metrics::{Nees, nees};
+use openbench_bench::score::metrics::{EstimatedPose, Nees, StampedPose, nees};
 use openbench_core::{Pose3, RobotDescription, SimTime};
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Refused, Status};
 use openbench_localization::wheels::Wheels;
@@ -64,8 +63,8 @@ struct Drive {
     wheels: Option<Wheels>,
     path: String,
     truth: String,
-    told: Vec<(SimTime, Pose3, Matrix6<f64>)>,
-    true_way: Vec<(SimTime, Pose3)>,
+    estimates: Vec<EstimatedPose>,
+    true_poses: Vec<StampedPose>,
     scans: usize,
     coasting: usize,
     disputed: usize,
@@ -84,8 +83,8 @@ impl Drive {
             sensors,
             path: String::new(),
             truth: String::new(),
-            told: Vec::new(),
-            true_way: Vec::new(),
+            estimates: Vec::new(),
+            true_poses: Vec::new(),
             scans: 0,
             coasting: 0,
             disputed: 0,
@@ -133,7 +132,10 @@ impl Drive {
             {
                 if let Some(there) = message.decode::<Odometry>()?.pose.to_pose3() {
                     line(&mut self.truth, message.time, &there);
-                    self.true_way.push((message.time, there));
+                    self.true_poses.push(StampedPose {
+                        time: message.time,
+                        pose: there,
+                    });
                 }
                 return Ok(());
             }
@@ -154,8 +156,11 @@ impl Drive {
         self.noisy += usize::from(estimate.status == Status::Noisy);
         self.lost += usize::from(estimate.status == Status::Lost);
         line(&mut self.path, estimate.stamp, &estimate.pose);
-        self.told
-            .push((estimate.stamp, estimate.pose, estimate.covariance));
+        self.estimates.push(EstimatedPose {
+            time: estimate.stamp,
+            pose: estimate.pose,
+            covariance: estimate.covariance,
+        });
     }
 
     fn summary(mut self) -> Summary {
@@ -178,7 +183,11 @@ impl Drive {
             cpu_ms_p99: at(99),
             cubes: self.odometry.map_size(),
             refused: self.odometry.refused(),
-            nees: nees(&self.told, &self.true_way, &self.sensors.settings.imu),
+            nees: nees(
+                &self.estimates,
+                &self.true_poses,
+                &self.sensors.settings.imu,
+            ),
             version: env!("CARGO_PKG_VERSION"),
         }
     }

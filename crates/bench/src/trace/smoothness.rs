@@ -24,7 +24,7 @@ pub struct SmoothnessSum {
 
 impl SmoothnessSum {
     /// The sum of both.
-    pub fn and(self, other: Self) -> Self {
+    pub fn plus(self, other: Self) -> Self {
         Self {
             turned_rad: self.turned_rad + other.turned_rad,
             speed_changes_mps: self.speed_changes_mps + other.speed_changes_mps,
@@ -101,7 +101,7 @@ mod tests {
             "{sum:?}"
         );
         assert_eq!(sum.stops, 1);
-        assert_eq!(sum.and(sum).stops, 2);
+        assert_eq!(sum.plus(sum).stops, 2);
         assert_eq!(
             sum.describe(2.0),
             "speed variation 0.75 m/s per m, turning 0.65 rad/m, 1 stop"

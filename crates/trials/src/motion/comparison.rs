@@ -11,8 +11,8 @@ use serde::{Serialize, Serializer};
 
 use openbench_bench::run::threads;
 
-use super::best::{Possible, polished, possible};
 use super::drive::{CYCLE_S, Drive, End, drive};
+use super::reference::{Reference, ReferenceMotion, improved_duration, reference_motion};
 use super::scene::{Kind, Scene, scene};
 
 /// Draws of a scene before its number is left out, if for none a motion or a proof is found.
@@ -69,7 +69,7 @@ impl Serialize for PlannerKind {
 /// A comparison that cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum TrialError {
+pub enum ComparisonError {
     /// A local planner cannot be created.
     #[error(transparent)]
     Planner(#[from] PlannerError),
@@ -119,7 +119,7 @@ pub struct Row {
 
 /// The result of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Trial {
+pub struct Comparison {
     /// Seed of the scenes.
     pub seed: u64,
     /// Number of scenes that were driven.
@@ -149,7 +149,7 @@ pub struct Failure {
 
 /// A scene with its reference motion and the drives of all planners.
 #[derive(Debug)]
-pub struct Outcome {
+pub struct SceneOutcome {
     /// Number of the scene.
     pub number: usize,
     /// Kind of the scene.
@@ -161,32 +161,33 @@ pub struct Outcome {
     /// Number of earlier draws for which neither was found.
     pub undecided: usize,
     /// The drives.
-    pub drives: Vec<(PlannerKind, Drive)>,
+    pub drives: Vec<PlannerDrive>,
 }
 
-impl Outcome {
+/// The drive of a planner.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannerDrive {
+    /// The planner.
+    pub planner: PlannerKind,
+    /// Its drive.
+    pub drive: Drive,
+}
+
+impl SceneOutcome {
     /// Without the scene and the tracks, which need most of the memory and are not summed.
     fn without_pictures(self) -> Self {
-        let bare = |(planner, drive): (PlannerKind, Drive)| {
-            (
-                planner,
-                Drive {
-                    track: Vec::new(),
-                    ..drive
-                },
-            )
-        };
-        Self {
-            scene: None,
-            drives: self.drives.into_iter().map(bare).collect(),
-            ..self
+        let mut bare = self;
+        bare.scene = None;
+        for driven in &mut bare.drives {
+            driven.drive.track = Vec::new();
         }
+        bare
     }
 }
 
 /// The scenes and planners to compare.
 #[derive(Debug, Clone, Copy)]
-pub struct Request<'a> {
+pub struct ComparisonRequest<'a> {
     /// Number of the first scene.
     pub first: usize,
     /// Number of scenes.
@@ -204,13 +205,13 @@ pub struct Request<'a> {
 ///
 /// # Errors
 /// A planner or scene that cannot be created, or an error of `seen`.
-pub fn hold<E>(
-    request: &Request<'_>,
+pub fn compare<E>(
+    request: &ComparisonRequest<'_>,
     robot: &RobotDescription,
-    seen: &mut dyn FnMut(&Outcome) -> Result<(), E>,
-) -> Result<Trial, E>
+    seen: &mut dyn FnMut(&SceneOutcome) -> Result<(), E>,
+) -> Result<Comparison, E>
 where
-    E: From<TrialError>,
+    E: From<ComparisonError>,
 {
     let numbers = request.first..request.first.saturating_add(request.count);
     let outcomes = threads::each(
@@ -226,36 +227,43 @@ where
     ))
 }
 
-/// The first draw of a scene with a reference motion or a proof, if any, and the number of earlier
-/// draws.
-///
-/// # Errors
-/// A scene that cannot be drawn for the robot.
-pub fn decided(
-    number: usize,
-    seed: u64,
-    robot: &RobotDescription,
-) -> Result<(Option<(Scene, Possible)>, usize), TrialError> {
+/// The draws of a scene until one has a reference motion or a proof.
+struct Decided {
+    /// The scene and its reference; `None` if no draw has any.
+    scene: Option<(Scene, Reference)>,
+    /// Number of earlier draws.
+    undecided: usize,
+}
+
+fn decided(number: usize, seed: u64, robot: &RobotDescription) -> Result<Decided, ComparisonError> {
     for draw in 0..MAX_DRAWS {
         let scene = scene(number, seed.wrapping_add(draw << 32), robot)
-            .map_err(|source| TrialError::Scene { number, source })?;
-        match possible(&scene, robot) {
-            Some(Possible::Unknown) | None => {}
-            Some(known) => return Ok((Some((scene, known)), draw as usize)),
+            .map_err(|source| ComparisonError::Scene { number, source })?;
+        match reference_motion(&scene, robot) {
+            Some(Reference::Unknown) | None => {}
+            Some(known) => {
+                return Ok(Decided {
+                    scene: Some((scene, known)),
+                    undecided: draw as usize,
+                });
+            }
         }
     }
-    Ok((None, MAX_DRAWS as usize))
+    Ok(Decided {
+        scene: None,
+        undecided: MAX_DRAWS as usize,
+    })
 }
 
 fn outcome(
     number: usize,
-    request: &Request<'_>,
+    request: &ComparisonRequest<'_>,
     robot: &RobotDescription,
-) -> Result<Outcome, TrialError> {
-    let (found, undecided) = decided(number, request.seed, robot)?;
+) -> Result<SceneOutcome, ComparisonError> {
+    let Decided { scene, undecided } = decided(number, request.seed, robot)?;
     let kind = Kind::ALL[number % Kind::ALL.len()];
-    let Some((scene, known)) = found else {
-        return Ok(Outcome {
+    let Some((scene, known)) = scene else {
+        return Ok(SceneOutcome {
             number,
             kind,
             scene: None,
@@ -265,19 +273,23 @@ fn outcome(
         });
     };
     let settings = PlannerSettings::new(robot.clone());
-    let kinds = PlannerKind::all(request.planners)
-        .into_iter()
-        .zip(request.planners.entries());
-    let drives =
-        kinds.map(|(kind, entry)| Ok((kind, drive(&scene, robot, entry.make(&settings)?)?)));
-    let drives = drives.collect::<Result<Vec<_>, TrialError>>()?;
+    let planners = PlannerKind::all(request.planners).into_iter();
+    let drives = planners
+        .zip(request.planners.entries())
+        .map(|(planner, entry)| {
+            let drive = drive(&scene, robot, entry.make(&settings)?)?;
+            Ok(PlannerDrive { planner, drive })
+        })
+        .collect::<Result<Vec<_>, ComparisonError>>()?;
     let best = match known {
-        Possible::Motion(_, seconds) => Some(fastest(seconds, &drives, |d| {
-            polished(&scene, robot, &d.track, CYCLE_S)
-        })),
-        Possible::Nothing | Possible::Unknown => None,
+        Reference::Motion(ReferenceMotion { arrival_s, .. }) => {
+            Some(fastest(arrival_s, &drives, |drive| {
+                improved_duration(&scene, robot, &drive.track, CYCLE_S)
+            }))
+        }
+        Reference::Infeasible | Reference::Unknown => None,
     };
-    Ok(Outcome {
+    Ok(SceneOutcome {
         number,
         kind,
         scene: Some(scene),
@@ -289,50 +301,75 @@ fn outcome(
 
 /// The shortest known duration: of the search, of a drive, or of an improved drive. The ratios of a
 /// planner may therefore depend slightly on the other planners.
-fn fastest(
-    found: f64,
-    drives: &[(PlannerKind, Drive)],
-    polished: impl Fn(&Drive) -> Option<f64>,
-) -> f64 {
+fn fastest(found: f64, drives: &[PlannerDrive], improved: impl Fn(&Drive) -> Option<f64>) -> f64 {
     let good = drives
         .iter()
-        .map(|(_, d)| d)
-        .filter(|d| d.end == End::Reached && d.collisions == 0);
-    good.flat_map(|d| [Some(d.seconds), polished(d)])
+        .map(|driven| &driven.drive)
+        .filter(|drive| drive.end == End::Reached && drive.collisions == 0);
+    good.flat_map(|drive| [Some(drive.seconds), improved(drive)])
         .flatten()
         .fold(found, f64::min)
 }
 
-fn summary(seed: u64, planners: &[PlannerKind], outcomes: &[Outcome]) -> Trial {
-    let rows = |kind: Option<Kind>, planner: PlannerKind| {
-        let of_kind = outcomes.iter().filter(|o| kind.is_none_or(|k| k == o.kind));
-        row(of_kind.flat_map(|o| {
-            o.drives
-                .iter()
-                .filter(|d| d.0 == planner)
-                .map(|d| (o.best, &d.1))
-        }))
-    };
-    let kinds = |planner| {
-        Kind::ALL
-            .into_iter()
-            .map(|kind| (kind, rows(Some(kind), planner)))
-            .collect()
-    };
-    Trial {
+fn summary(seed: u64, planners: &[PlannerKind], outcomes: &[SceneOutcome]) -> Comparison {
+    let all: Vec<&SceneOutcome> = outcomes.iter().collect();
+    Comparison {
         seed,
         scenes: outcomes.iter().filter(|o| !o.drives.is_empty()).count(),
         undecided: outcomes.iter().map(|o| o.undecided).sum(),
-        planners: planners.iter().map(|&p| (p, rows(None, p))).collect(),
-        kinds: planners.iter().map(|&p| (p, kinds(p))).collect(),
+        planners: planners
+            .iter()
+            .map(|&planner| (planner, row(judged(&all, planner))))
+            .collect(),
+        kinds: planners
+            .iter()
+            .map(|&planner| (planner, rows_by_kind(&all, planner)))
+            .collect(),
         failures: outcomes.iter().flat_map(failures).collect(),
     }
 }
 
-fn row<'a>(drives: impl Iterator<Item = (Option<f64>, &'a Drive)>) -> Row {
+fn rows_by_kind(outcomes: &[&SceneOutcome], planner: PlannerKind) -> BTreeMap<Kind, Row> {
+    let mut rows = BTreeMap::new();
+    for kind in Kind::ALL {
+        let of_kind: Vec<&SceneOutcome> = outcomes
+            .iter()
+            .copied()
+            .filter(|outcome| outcome.kind == kind)
+            .collect();
+        rows.insert(kind, row(judged(&of_kind, planner)));
+    }
+    rows
+}
+
+/// A drive and what it is compared with.
+#[derive(Clone, Copy)]
+struct Judged<'a> {
+    /// Duration of the reference motion, seconds; `None` if there is no motion.
+    best: Option<f64>,
+    drive: &'a Drive,
+}
+
+/// The drives of a planner.
+fn judged<'a>(
+    outcomes: &[&'a SceneOutcome],
+    planner: PlannerKind,
+) -> impl Iterator<Item = Judged<'a>> {
+    outcomes.iter().flat_map(move |outcome| {
+        let drives = outcome.drives.iter();
+        drives
+            .filter(move |driven| driven.planner == planner)
+            .map(|driven| Judged {
+                best: outcome.best,
+                drive: &driven.drive,
+            })
+    })
+}
+
+fn row<'a>(drives: impl Iterator<Item = Judged<'a>>) -> Row {
     let mut row = Row::default();
     let (mut cycles, mut ratios, mut swerves) = (Vec::new(), Vec::new(), 0);
-    for (best, drive) in drives {
+    for Judged { best, drive } in drives {
         cycles.extend(&drive.cycles);
         row.collisions += drive.collisions;
         match best {
@@ -353,13 +390,8 @@ fn row<'a>(drives: impl Iterator<Item = (Option<f64>, &'a Drive)>) -> Row {
         }
     }
     cycles.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        cycles
-            .get((cycles.len() as f64 * share) as usize)
-            .copied()
-            .unwrap_or(0.0)
-    };
-    (row.cycle_ms_p50, row.cycle_ms_p99) = (at(0.5), at(0.99));
+    row.cycle_ms_p50 = quantile(&cycles, 0.5);
+    row.cycle_ms_p99 = quantile(&cycles, 0.99);
     let mean = |sum: f64| (!ratios.is_empty()).then(|| sum / ratios.len() as f64);
     row.time_ratio_mean = mean(ratios.iter().sum::<f64>());
     row.time_ratio_max = ratios.iter().copied().reduce(f64::max);
@@ -367,21 +399,30 @@ fn row<'a>(drives: impl Iterator<Item = (Option<f64>, &'a Drive)>) -> Row {
     row
 }
 
+/// The value that `share` of the values are below; 0 without values.
+fn quantile(ascending: &[f64], share: f64) -> f64 {
+    let place = (ascending.len() as f64 * share) as usize;
+    ascending.get(place).copied().unwrap_or(0.0)
+}
+
+/// Whether a scene without a motion was given up for that reason.
 fn is_right_refusal(end: &End) -> bool {
     matches!(end, End::GaveUp(Cause::NoWay(_) | Cause::TooNarrow(_)))
 }
 
-fn failures(outcome: &Outcome) -> Vec<Failure> {
-    let wrong = outcome.drives.iter().filter_map(|(planner, drive)| {
-        let what = failure(outcome.best, drive)?;
-        Some(Failure {
-            planner: *planner,
-            scene: outcome.number,
-            kind: outcome.kind,
-            what,
+fn failures(outcome: &SceneOutcome) -> Vec<Failure> {
+    outcome
+        .drives
+        .iter()
+        .filter_map(|PlannerDrive { planner, drive }| {
+            Some(Failure {
+                planner: *planner,
+                scene: outcome.number,
+                kind: outcome.kind,
+                what: failure(outcome.best, drive)?,
+            })
         })
-    });
-    wrong.collect()
+        .collect()
 }
 
 /// Description of the failure of a drive; `None` if it is as it should be.
@@ -484,7 +525,9 @@ mod tests {
             (None, driven(no_way(), 1.0)),
             (None, driven(End::Timeout, 90.0)),
         ];
-        let row = row(drives.iter().map(|(best, drive)| (*best, drive)));
+        let row = row(drives
+            .iter()
+            .map(|(best, drive)| Judged { best: *best, drive }));
         assert_eq!((row.feasible, row.reached, row.collisions), (4, 2, 2));
         assert_eq!((row.infeasible, row.refused, row.slow), (2, 1, 1));
         assert!((row.time_ratio_mean.unwrap_or_default() - 1.25).abs() < 1e-12);
@@ -507,7 +550,8 @@ mod tests {
             driven(End::Timeout, 1.0),
             touched,
         ];
-        let drives = drives.map(|drive| (PlannerKind::all(&planners())[0], drive));
+        let planner = PlannerKind::all(&planners())[0];
+        let drives = drives.map(|drive| PlannerDrive { planner, drive });
         let best = |found, saved| fastest(found, &drives, |d| Some(d.seconds - saved));
         assert_eq!(
             (best(10.0, 0.0), best(8.0, 0.0), best(8.0, 1.5)),

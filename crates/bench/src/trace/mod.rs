@@ -1,4 +1,12 @@
-//! The record of an episode from which it is scored.
+//! The record of an episode: what [`run`](mod@crate::run) keeps and [`score`](crate::score) reads.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`pose_error`] | [`PoseError`]: the error of an estimated pose |
+//! | [`smoothness`] | [`Smoothness`]: turning, speed variation and stops along a drive |
+
+pub mod pose_error;
+pub mod smoothness;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -7,7 +15,8 @@ use openbench_core::{Address, FailureCause, Image, MapPoint, ModelUse, Plan, Sim
 use openbench_sim::Collision;
 use openbench_sim::traffic::Totals;
 
-use crate::score::metrics::{PoseError, SmoothnessSum};
+pub use pose_error::PoseError;
+pub use smoothness::{Smoothness, SmoothnessSum};
 
 /// The outcome of one delivery.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,8 +46,26 @@ pub struct TaskOutcome {
     pub pose_error_m: Option<f64>,
     /// Plates read during the delivery.
     pub plates_read: usize,
-    /// Cause and description of the failure, if it was not declared.
-    pub failure: Option<(FailureCause, String)>,
+    /// The failure, if it was not declared.
+    pub failure: Option<Failure>,
+}
+
+/// Why a delivery failed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    /// The kind of cause.
+    pub cause: FailureCause,
+    /// Description, for people.
+    pub detail: String,
+}
+
+/// A door on a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedDoor {
+    /// Its address.
+    pub address: Address,
+    /// Its position on the outline of the building, as in OSM, in the `map` frame.
+    pub position: MapPoint,
 }
 
 /// A plate that was read.
@@ -77,7 +104,7 @@ pub struct EpisodeTrace {
     /// Routes planned by the agent.
     pub routes: Vec<Vec<MapPoint>>,
     /// Doors that the agent wrote into its map.
-    pub doors: Vec<(Address, MapPoint)>,
+    pub doors: Vec<PlacedDoor>,
     /// Plates read by the agent.
     pub plates: Vec<PlateRead>,
     /// The last images in which plates were read, oldest first.

@@ -2,7 +2,7 @@
 //! there is none.
 //!
 //! A motion is checked for collisions every 10 ms and respects the robot's limits. Its duration is
-//! the reference for planners, unless a motion improved from their own drives ([`polished`]) is
+//! the reference for planners, unless a motion improved from their own drives ([`improved_duration`]) is
 //! faster.
 //!
 //! Infeasibility is proven for the inscribed circle of the footprint: if even the circle has no
@@ -47,19 +47,27 @@ const OFFSETS_M: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
 
 /// The result of the search.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Possible {
-    /// The fastest motion found, from rest to rest, and the time, in seconds, from which it stays
-    /// within the tolerance of the goal.
-    Motion(Band, f64),
+pub enum Reference {
+    /// The fastest motion found.
+    Motion(ReferenceMotion),
     /// It is proven that there is no motion.
-    Nothing,
+    Infeasible,
     /// No motion was found, and no proof.
     Unknown,
 }
 
+/// A motion through a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReferenceMotion {
+    /// The motion, from rest to rest.
+    pub band: Band,
+    /// Time from which it stays within the tolerance of the goal, seconds.
+    pub arrival_s: f64,
+}
+
 /// Searches for the fastest motion through a scene; `None` for a robot without a valid footprint or
 /// limits. A jump of the pose estimate is regarded as known from the start.
-pub fn possible(scene: &Scene, robot: &RobotDescription) -> Option<Possible> {
+pub fn reference_motion(scene: &Scene, robot: &RobotDescription) -> Option<Reference> {
     let (footprint, limits) = (Footprint::of(robot).ok()?, Limits::of(robot).ok()?);
     let search = Search {
         scene,
@@ -70,21 +78,23 @@ pub fn possible(scene: &Scene, robot: &RobotDescription) -> Option<Possible> {
     let fastest = search
         .drafts()
         .into_iter()
-        .filter_map(|draft| search.settle(&draft));
-    let fastest = fastest
-        .map(|band| (arrival(&band, search.goal), band))
-        .min_by(|a, b| a.0.total_cmp(&b.0));
+        .filter_map(|draft| search.settle(&draft))
+        .map(|band| ReferenceMotion {
+            arrival_s: arrival(&band, search.goal),
+            band,
+        })
+        .min_by(|a, b| a.arrival_s.total_cmp(&b.arrival_s));
     Some(match fastest {
-        Some((seconds, band)) => Possible::Motion(band, seconds),
-        None if search.proves_nothing() => Possible::Nothing,
-        None => Possible::Unknown,
+        Some(motion) => Reference::Motion(motion),
+        None if search.proves_nothing() => Reference::Infeasible,
+        None => Reference::Unknown,
     })
 }
 
 /// The time, in seconds, in which an improved version of a drive reaches the goal; `None` if it
 /// cannot be improved to a valid motion. `track` are the poses of the drive, `seconds` the time
 /// between two.
-pub fn polished(
+pub fn improved_duration(
     scene: &Scene,
     robot: &RobotDescription,
     track: &[Pose2],
@@ -525,15 +535,16 @@ mod tests {
     fn the_fastest_straight_motion_has_the_analytic_duration() {
         let robot = RobotDescription::sentry();
         let limits = Limits::of(&robot).unwrap();
-        let Some(Possible::Motion(band, seconds)) = possible(&ahead(&[]), &robot) else {
+        let Some(Reference::Motion(found)) = reference_motion(&ahead(&[]), &robot) else {
             panic!("no motion")
         };
+        let ReferenceMotion { band, arrival_s } = found;
         // Both ramps at the limit of the acceleration, up to the tolerance of 10 cm.
         let (v, a) = (limits.forward, limits.acceleration);
         let physical = 3.0 / v + v / a - (2.0 * 0.1 / a).sqrt();
         assert!(
-            (physical - 0.01..1.05 * physical + 0.05).contains(&seconds),
-            "{seconds} {physical}"
+            (physical - 0.01..1.05 * physical + 0.05).contains(&arrival_s),
+            "{arrival_s} {physical}"
         );
         assert!(
             band.pose_at(band.duration())
@@ -586,12 +597,12 @@ mod tests {
     #[test]
     fn a_gap_wider_than_the_robot_has_a_motion_and_a_narrower_one_a_proof() {
         let robot = RobotDescription::sentry();
-        let motion = |width| possible(&gap(width), &robot);
+        let motion = |width| reference_motion(&gap(width), &robot);
         assert!(matches!(
             motion(robot.width + 0.05),
-            Some(Possible::Motion(..))
+            Some(Reference::Motion(..))
         ));
-        assert_eq!(motion(robot.width - 0.05), Some(Possible::Nothing));
+        assert_eq!(motion(robot.width - 0.05), Some(Reference::Infeasible));
     }
 
     #[test]
@@ -605,10 +616,13 @@ mod tests {
             (1.0, -1.0),
         ];
         let walls: Vec<_> = corners.windows(2).map(|w| [w[0], w[1]]).collect();
-        assert_eq!(possible(&ahead(&walls), &robot), Some(Possible::Nothing));
+        assert_eq!(
+            reference_motion(&ahead(&walls), &robot),
+            Some(Reference::Infeasible)
+        );
         assert!(matches!(
-            possible(&ahead(&walls[..1]), &robot),
-            Some(Possible::Motion(..))
+            reference_motion(&ahead(&walls[..1]), &robot),
+            Some(Reference::Motion(..))
         ));
     }
 }

@@ -96,13 +96,24 @@ struct Template {
 }
 
 /// A door of the estate: numbers of building and unit, from 1.
-type Door = (usize, usize);
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Door {
+    building: usize,
+    unit: usize,
+}
+
+impl Door {
+    fn address(self) -> Address {
+        let Self { building, unit } = self;
+        Address::new(format!("building{building}"), format!("unit{unit}"))
+    }
+}
 
 /// Generates the instructions of a split from a seed; the unseen split has none from templates.
 ///
 /// # Panics
 /// Never: a test parses the built-in templates.
-pub fn made(split: Split, seed: u64) -> Vec<Case> {
+pub fn generated(split: Split, seed: u64) -> Vec<Case> {
     let mut cases = Vec::new();
     for (stream, (lang, text)) in (0..).zip(LANGUAGES) {
         let language: Language = toml::from_str(text).expect("the built-in templates are valid");
@@ -120,20 +131,17 @@ pub fn made(split: Split, seed: u64) -> Vec<Case> {
             .flat_map(|template| std::iter::repeat_n(template, REPETITIONS));
         for (number, template) in (1..).zip(every) {
             let id = format!("{lang}-made-{name}-{number:02}");
-            cases.push(language.fill(template, templates, (id, lang), &mut rng));
+            let mut case = language.fill(template, templates, &mut rng);
+            (case.id, case.lang) = (id, lang.to_owned());
+            cases.push(case);
         }
     }
     cases
 }
 
 impl Language {
-    fn fill(
-        &self,
-        template: &Template,
-        templates: &Templates,
-        (id, lang): (String, &str),
-        rng: &mut Pcg64Mcg,
-    ) -> Case {
+    /// A case from a template, without id and language.
+    fn fill(&self, template: &Template, templates: &Templates, rng: &mut Pcg64Mcg) -> Case {
         let count = (1..=MAX_DOORS)
             .rev()
             .find(|k| names(&template.text, *k))
@@ -144,16 +152,17 @@ impl Language {
             template.difficulty != Difficulty::Easy && rng.random_bool(NUMBER_WORDS_SHARE);
         let mut instruction = template.text.clone();
         for (k, door) in (1..).zip(&doors) {
-            let (b, u) = (self.number(door.0, as_words), self.number(door.1, as_words));
-            let ordinal = self.ordinals.get(door.1 - 1).map_or("", String::as_str);
+            let building = self.number(door.building, as_words);
+            let unit = self.number(door.unit, as_words);
+            let ordinal = self.ordinals.get(door.unit - 1).map_or("", String::as_str);
             let address = form
-                .replace("{b}", &b)
-                .replace("{u}", &u)
+                .replace("{b}", &building)
+                .replace("{u}", &unit)
                 .replace("{o}", ordinal);
-            instruction = instruction.replace(&format!("{{{k}}}"), &address);
             instruction = instruction
-                .replace(&format!("{{b{k}}}"), &b)
-                .replace(&format!("{{u{k}}}"), &u);
+                .replace(&format!("{{{k}}}"), &address)
+                .replace(&format!("{{b{k}}}"), &building)
+                .replace(&format!("{{u{k}}}"), &unit);
         }
         for (apart, together) in &self.contractions {
             instruction = instruction.replace(apart, together);
@@ -169,17 +178,16 @@ impl Language {
             .before
             .iter()
             .filter_map(|(a, b)| Some((place(*a)?, place(*b)?)));
-        let address = |door: &usize| {
-            let (b, u) = doors[door - 1];
-            Address::new(format!("building{b}"), format!("unit{u}"))
-        };
         Case {
-            id,
-            lang: lang.to_owned(),
+            id: String::new(),
+            lang: String::new(),
             difficulty: Some(template.difficulty),
             map: Some(MapName::Estate),
             instruction: sentence(&instruction),
-            deliveries: deliver.iter().map(address).collect(),
+            deliveries: deliver
+                .iter()
+                .map(|door| doors[door - 1].address())
+                .collect(),
             before: before.collect(),
             ambiguous: false,
         }
@@ -202,16 +210,23 @@ fn names(text: &str, k: usize) -> bool {
 fn doors(template: &Template, count: usize, rng: &mut Pcg64Mcg) -> Vec<Door> {
     let mut doors: Vec<Door> = Vec::new();
     while doors.len() < count {
-        let mut door = (rng.random_range(1..=BUILDINGS), rng.random_range(1..=UNITS));
+        // Both numbers are drawn even where the first door determines one: the files of the data set
+        // were generated so.
+        let mut door = Door {
+            building: rng.random_range(1..=BUILDINGS),
+            unit: rng.random_range(1..=UNITS),
+        };
         let first = doors.first().copied().unwrap_or(door);
         if template.one_building {
-            door.0 = first.0;
+            door.building = first.building;
         }
         if template.one_unit {
-            door.1 = first.1;
+            door.unit = first.unit;
         }
-        let is_new = |other: &Door| *other != door && (template.one_building || other.0 != door.0);
-        if doors.iter().all(is_new) {
+        let is_new = doors.iter().all(|other| {
+            *other != door && (template.one_building || other.building != door.building)
+        });
+        if is_new {
             doors.push(door);
         }
     }
@@ -236,14 +251,14 @@ mod tests {
             (Split::Development, super::super::DEVELOPMENT[1]),
             (Split::Test, super::super::TEST[1]),
         ] {
-            let lines: Vec<String> = made(split, 1)
+            let lines: Vec<String> = generated(split, 1)
                 .iter()
                 .map(|case| serde_json::to_string(case).unwrap())
                 .collect();
             let changed = lines
                 .iter()
                 .zip(file.lines())
-                .find(|(made, kept)| made != kept);
+                .find(|(new, kept)| new != kept);
             assert!(
                 changed.is_none() && lines.len() == file.lines().count(),
                 "{changed:?}"
@@ -255,7 +270,7 @@ mod tests {
     fn all_placeholders_are_replaced() {
         for case in [Split::Development, Split::Test]
             .into_iter()
-            .flat_map(|split| made(split, 7))
+            .flat_map(|split| generated(split, 7))
         {
             assert!(
                 !case.instruction.contains(['{', '}']),
@@ -264,6 +279,6 @@ mod tests {
             );
             assert!((1..=3).contains(&case.deliveries.len()), "{case:?}");
         }
-        assert_ne!(made(Split::Test, 1), made(Split::Test, 2));
+        assert_ne!(generated(Split::Test, 1), generated(Split::Test, 2));
     }
 }

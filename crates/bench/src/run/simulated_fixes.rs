@@ -21,7 +21,7 @@ const RANDOM_STREAM: u64 = 32;
 
 /// Noise, outliers and bias of the simulated fixes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Disturbance {
+pub struct FixNoise {
     /// Standard deviation along x and along y, metres.
     pub noise_m: f64,
     /// Share of fixes that are outliers, 0 to 1.
@@ -32,7 +32,7 @@ pub struct Disturbance {
     pub bias_m: f64,
 }
 
-impl Default for Disturbance {
+impl Default for FixNoise {
     fn default() -> Self {
         Self {
             noise_m: 1.0,
@@ -43,100 +43,124 @@ impl Default for Disturbance {
     }
 }
 
-/// A text that does not describe a disturbance.
+/// A text that does not describe the noise of fixes.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is no disturbance; write NOISE,SHARE,FAR or NOISE,SHARE,FAR,BIAS: standard deviation \
+    "`{0}` does not describe noise of fixes; write NOISE,SHARE,FAR or NOISE,SHARE,FAR,BIAS: standard deviation \
      in metres (above 0), share of outliers (0 to 1), maximum error of an outlier in metres, \
      offset to the east in metres"
 )]
-pub struct DisturbanceError(pub String);
+pub struct FixNoiseError(pub String);
 
-impl FromStr for Disturbance {
-    type Err = DisturbanceError;
+impl FromStr for FixNoise {
+    type Err = FixNoiseError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let numbers: Option<Vec<f64>> = text
             .split(',')
             .map(|number| number.trim().parse().ok())
             .collect();
-        let (noise_m, outlier_share, outlier_max_m, bias_m) = match numbers.as_deref() {
-            Some(&[noise, share, far]) => (noise, share, far, 0.0),
-            Some(&[noise, share, far, bias]) => (noise, share, far, bias),
-            _ => return Err(DisturbanceError(text.to_owned())),
+        let noise = match numbers.as_deref() {
+            Some(&[noise_m, outlier_share, outlier_max_m]) => Self {
+                noise_m,
+                outlier_share,
+                outlier_max_m,
+                bias_m: 0.0,
+            },
+            Some(&[noise_m, outlier_share, outlier_max_m, bias_m]) => Self {
+                noise_m,
+                outlier_share,
+                outlier_max_m,
+                bias_m,
+            },
+            _ => return Err(FixNoiseError(text.to_owned())),
         };
-        let it = Self {
-            noise_m,
-            outlier_share,
-            outlier_max_m,
-            bias_m,
-        };
-        let is_valid = (1e-3..1e4).contains(&it.noise_m)
-            && (0.0..=1.0).contains(&it.outlier_share)
-            && (0.0..1e6).contains(&it.outlier_max_m)
-            && it.bias_m.abs() < 1e6;
-        is_valid
-            .then_some(it)
-            .ok_or_else(|| DisturbanceError(text.to_owned()))
+        if noise.is_valid() {
+            Ok(noise)
+        } else {
+            Err(FixNoiseError(text.to_owned()))
+        }
+    }
+}
+
+impl FixNoise {
+    /// Whether all numbers are in their ranges; NaN is in none.
+    fn is_valid(&self) -> bool {
+        // Without any noise, the information of a fix would be infinite.
+        (1e-3..1e4).contains(&self.noise_m)
+            && (0.0..=1.0).contains(&self.outlier_share)
+            && (0.0..1e6).contains(&self.outlier_max_m)
+            && self.bias_m.abs() < 1e6
     }
 }
 
 /// A source of fixes around the true pose.
 #[derive(Debug, Clone)]
-pub struct DisturbedTruth {
+pub struct SimulatedFixes {
     truth: TruthHandle,
-    disturbance: Disturbance,
+    noise: FixNoise,
     seed: u64,
-    noise: Noise,
+    random: Noise,
     last: Option<SimTime>,
 }
 
-impl DisturbedTruth {
+impl SimulatedFixes {
     /// Fixes around the poses of `truth`; noise and outliers are drawn from `seed`.
-    pub fn new(truth: TruthHandle, disturbance: Disturbance, seed: u64) -> Self {
+    pub fn new(truth: TruthHandle, noise: FixNoise, seed: u64) -> Self {
         Self {
             truth,
-            disturbance,
+            noise,
             seed,
-            noise: Noise::new(seed, RANDOM_STREAM),
+            random: Noise::new(seed, RANDOM_STREAM),
             last: None,
         }
     }
 }
 
-impl FixSource for DisturbedTruth {
+impl SimulatedFixes {
+    fn is_due(&self, now: SimTime) -> bool {
+        self.last
+            .is_none_or(|last| now > last && now.since(last).as_secs_f64() >= INTERVAL_S)
+    }
+
+    /// The error of a fix, metres, without the bias.
+    fn draw_error(&mut self) -> Vector2<f64> {
+        let FixNoise {
+            noise_m,
+            outlier_share,
+            outlier_max_m,
+            ..
+        } = self.noise;
+        if self.random.uniform() < outlier_share {
+            let angle = self.random.uniform() * std::f64::consts::TAU;
+            let distance = self.random.uniform() * outlier_max_m;
+            Vector2::new(libm::cos(angle), libm::sin(angle)) * distance
+        } else {
+            Vector2::new(self.random.normal(), self.random.normal()) * noise_m
+        }
+    }
+}
+
+impl FixSource for SimulatedFixes {
     fn name(&self) -> &str {
         "disturbed-truth"
     }
 
     fn reset(&mut self) {
-        (self.noise, self.last) = (Noise::new(self.seed, RANDOM_STREAM), None);
+        self.random = Noise::new(self.seed, RANDOM_STREAM);
+        self.last = None;
     }
 
     fn update(&mut self, observation: &Observation<'_>, near: Pose2) -> Option<Fix> {
-        let Disturbance {
-            noise_m,
-            outlier_share,
-            outlier_max_m,
-            bias_m,
-        } = self.disturbance;
         let stamp = observation.time;
-        if self
-            .last
-            .is_some_and(|last| stamp <= last || stamp.since(last).as_secs_f64() < INTERVAL_S)
-        {
+        if !self.is_due(stamp) {
             return None;
         }
         self.last = Some(stamp);
-        let error = if self.noise.uniform() < outlier_share {
-            let (angle, distance) = (
-                self.noise.uniform() * std::f64::consts::TAU,
-                self.noise.uniform() * outlier_max_m,
-            );
-            Vector2::new(libm::cos(angle), libm::sin(angle)) * distance
-        } else {
-            Vector2::new(self.noise.normal(), self.noise.normal()) * noise_m
-        };
+        let FixNoise {
+            noise_m, bias_m, ..
+        } = self.noise;
+        let error = self.draw_error();
         let truth = self.truth.at(stamp);
         let information = 1.0 / (noise_m * noise_m);
         Some(Fix {
@@ -163,9 +187,9 @@ mod tests {
     }
 
     #[test]
-    fn a_disturbance_is_parsed_or_rejected() {
-        assert_eq!("1,0.3,50".parse(), Ok(Disturbance::default()));
-        assert_eq!("2, 0, 0, -1".parse::<Disturbance>().unwrap().bias_m, -1.0);
+    fn the_noise_of_fixes_is_parsed_or_rejected() {
+        assert_eq!("1,0.3,50".parse(), Ok(FixNoise::default()));
+        assert_eq!("2, 0, 0, -1".parse::<FixNoise>().unwrap().bias_m, -1.0);
         for wrong in [
             "",
             "1",
@@ -177,7 +201,7 @@ mod tests {
         ] {
             assert!(
                 wrong
-                    .parse::<Disturbance>()
+                    .parse::<FixNoise>()
                     .unwrap_err()
                     .to_string()
                     .contains("NOISE"),
@@ -189,7 +213,7 @@ mod tests {
     #[test]
     fn the_fixes_have_the_requested_share_of_outliers() {
         let truth = TruthHandle::default();
-        let mut fixes = DisturbedTruth::new(truth.clone(), Disturbance::default(), 5);
+        let mut fixes = SimulatedFixes::new(truth.clone(), FixNoise::default(), 5);
         let mut off = Vec::new();
         for tick in 0..40_000_u64 {
             let time = SimTime::from_millis(50 * tick);
