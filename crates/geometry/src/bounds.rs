@@ -39,6 +39,26 @@ impl Bounds {
         }
     }
 
+    /// The part that both have in common. If there is none, `low` is beyond `high`.
+    #[must_use]
+    #[inline]
+    pub fn intersection(self, other: Self) -> Self {
+        Self {
+            low: MapPoint::new(self.low.x.max(other.low.x), self.low.y.max(other.low.y)),
+            high: MapPoint::new(self.high.x.min(other.high.x), self.high.y.min(other.high.y)),
+        }
+    }
+
+    /// The box with `margin` more metres on each side.
+    #[must_use]
+    #[inline]
+    pub fn grown(self, margin: f64) -> Self {
+        Self {
+            low: MapPoint::new(self.low.x - margin, self.low.y - margin),
+            high: MapPoint::new(self.high.x + margin, self.high.y + margin),
+        }
+    }
+
     /// Metres from `point` to the box; 0 inside.
     #[inline]
     pub fn distance(&self, point: MapPoint) -> f64 {
@@ -61,5 +81,18 @@ mod tests {
         assert_eq!(bounds.distance(MapPoint::new(1.0, 0.5)), 0.0);
         assert_eq!(bounds.distance(MapPoint::new(1.0, 4.0)), 3.0);
         assert_eq!(bounds.distance(MapPoint::new(5.0, -4.0)), 5.0);
+    }
+
+    #[test]
+    fn a_grown_box_intersected_with_the_box_is_the_box() {
+        let bounds = Bounds {
+            low: MapPoint::new(0.0, 0.0),
+            high: MapPoint::new(2.0, 1.0),
+        };
+        let grown = bounds.grown(0.5);
+        assert_eq!(grown.low, MapPoint::new(-0.5, -0.5));
+        assert_eq!(grown.high, MapPoint::new(2.5, 1.5));
+        assert_eq!(grown.intersection(bounds), bounds);
+        assert_eq!(grown.union(bounds), grown);
     }
 }

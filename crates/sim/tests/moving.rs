@@ -19,7 +19,8 @@ fn ground() -> Scene {
         Layer::Both,
         grey,
         Point3::new(-200.0, -100.0, 0.0),
-        (x, y),
+        x,
+        y,
         [1.0; 2],
     );
     builder.build()

@@ -12,7 +12,7 @@ use super::error::ImportError;
 use super::forms;
 use super::images::read_grey;
 use super::looks::{Look, Looks};
-use super::mesh::{self, Corner, Mesh, Part};
+use super::mesh::{self, Mesh, Part};
 use super::patterns::Pattern;
 use super::plates::plate_of;
 use super::relief;
@@ -20,7 +20,7 @@ use super::road::{ribbon, shift_to_ground};
 use super::sdf::{Geometry, Heightmap, ImageShape, MeshUse, Model, Paint, Road, Shape};
 use super::search::{SearchPath, model_of};
 use super::warnings::Warnings;
-use crate::scene::Layer;
+use crate::scene::{Corner, Layer};
 use crate::{SceneBuilder, SemanticClass};
 
 const MAX_TRIANGLES: usize = 20_000_000;
@@ -85,7 +85,7 @@ impl<'a> Emitter<'a> {
         }
         if model.links.iter().any(|link| !link.shapes.is_empty()) {
             self.builder
-                .object(model.name.clone(), class_of_model(model));
+                .begin_object(model.name.clone(), class_of_model(model));
         }
         for link in &model.links {
             for shape in &link.shapes {
@@ -114,7 +114,8 @@ impl<'a> Emitter<'a> {
     pub(crate) fn roads(&mut self, roads: &[Road]) -> Result<(), ImportError> {
         let shift = shift_to_ground(roads, self.ground);
         for road in roads {
-            self.builder.object(road.name.clone(), SemanticClass::Road);
+            self.builder
+                .begin_object(road.name.clone(), SemanticClass::Road);
             let own = match &road.paint {
                 Some(paint) => self.looks.of_paint(self.builder, paint, self.warnings)?,
                 None => None,
@@ -291,9 +292,10 @@ impl<'a> Emitter<'a> {
         }
         let material = self.looks.material(self.builder, look, setting.class);
         let [su, sv] = look.stretch;
-        let place = |(p, [u, v]): &Corner| -> Corner {
-            (
-                setting.pose * Point3::from(p.coords.component_mul(&setting.scale)),
+        let place = |corner: &Corner| {
+            let ([u, v], p) = (corner.uv, corner.position.coords);
+            Corner::new(
+                setting.pose * Point3::from(p.component_mul(&setting.scale)),
                 [u / su, v / sv],
             )
         };
@@ -344,7 +346,10 @@ fn class_of_shape(model: &Model, shape: &Shape) -> SemanticClass {
 
 /// Middle of the box around the parts.
 fn middle_of(parts: &[&Part]) -> Vector3<f64> {
-    let mut points = parts.iter().flat_map(|p| &p.corners).map(|(p, _)| p.coords);
+    let mut points = parts
+        .iter()
+        .flat_map(|p| &p.corners)
+        .map(|c| c.position.coords);
     let Some(first) = points.next() else {
         return Vector3::zeros();
     };

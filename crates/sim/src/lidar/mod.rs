@@ -295,7 +295,8 @@ mod tests {
                 Layer::Visible,
                 wall,
                 origin,
-                (u * 2.0 * half, z * 100.0),
+                u * 2.0 * half,
+                z * 100.0,
                 [1.0; 2],
             );
         }

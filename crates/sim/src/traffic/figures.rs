@@ -4,7 +4,7 @@
 
 use nalgebra::{Point3, Vector3};
 use openbench_scene::scene::Layer;
-use openbench_scene::{Material, MaterialId, Scene, SceneBuilder, SemanticClass};
+use openbench_scene::{Corner, Material, MaterialId, Scene, SceneBuilder, SemanticClass};
 
 use super::gait::{HEEL_M, Leg, PHASES, TOE_M, arm_swing, opposite, swung};
 
@@ -165,7 +165,7 @@ impl Figure {
         let top = [leg.upon_sole(-HEEL_M, 0.09), leg.upon_sole(TOE_M, 0.04)];
         let [[a, b], [e, f]] = leg.sole().map(|p| across(p, 0.045));
         let [[d, c], [h, g]] = top.map(|p| across(p, 0.04));
-        let corners = [a, b, c, d, e, f, g, h].map(|p| (p, [0.0; 2]));
+        let corners = [a, b, c, d, e, f, g, h].map(|p| Corner::new(p, [0.0; 2]));
         let sides = [
             [0, 5, 4],
             [0, 1, 5],
@@ -211,7 +211,7 @@ impl Figure {
                 let turn = (f64::from(k) + 0.5) / f64::from(sides);
                 let (sin, cos) = libm::sincos(std::f64::consts::TAU * turn);
                 let corner = middle + Vector3::new(half[0] * cos, half[1] * sin, 0.0);
-                corners.push((corner, [0.0; 2]));
+                corners.push(Corner::new(corner, [0.0; 2]));
             }
         }
         let last = sides * (rings.len() as u32 - 1);

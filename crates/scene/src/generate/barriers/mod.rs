@@ -64,7 +64,7 @@ pub(super) fn build(inputs: &Inputs, out: &mut Output) {
         let mut rng = stream(inputs.seed, Purpose::Barrier, barrier.way as u64);
         let build = build_of(&barrier.tags, &inputs.palette, &mut rng);
         out.scene
-            .object(kind(&barrier.tags).to_owned(), build.class());
+            .begin_object(kind(&barrier.tags).to_owned(), build.class());
         let on_ground = segments(&barrier.points).filter(|s| inputs.is_on_ground(s.start));
         for stretch in on_ground {
             for part in closed_parts(barrier, &map.roads, &inputs.lanes, stretch) {

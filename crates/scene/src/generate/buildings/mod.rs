@@ -50,7 +50,7 @@ pub(super) fn build(inputs: &Inputs, out: &mut Output) {
     let mut doorways = inputs.doorways.as_slice();
     for (index, building) in inputs.map.buildings.iter().enumerate() {
         let name = building.name.clone().unwrap_or("building".into());
-        out.scene.object(name, SemanticClass::Building);
+        out.scene.begin_object(name, SemanticClass::Building);
         let count = doorways.iter().take_while(|d| d.building == index).count();
         let (own, others) = doorways.split_at(count);
         doorways = others;

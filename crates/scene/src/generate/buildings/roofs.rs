@@ -13,7 +13,7 @@ use crate::generate::seeds::{between, chance};
 use crate::generate::shapes::rings::{inset, signed_area};
 use crate::generate::shapes::{Block, Surface, at, cuboid, facet, floor, panel};
 use crate::material::MaterialId;
-use crate::scene::{Layer, SceneBuilder};
+use crate::scene::{Corner, Layer, SceneBuilder};
 
 /// Height of the boards along the edges of a pitched roof, metres.
 const FASCIA_M: f64 = 0.18;
@@ -238,10 +238,10 @@ fn roof_windows(
         let (side, up) = ((e1 - e0).normalize() * 0.4, high - low);
         let (bottom, top) = (low + up * 0.4 + normal, low + up * 0.62 + normal);
         let corners = [
-            (bottom - side, [0.0, 0.0]),
-            (bottom + side, [1.0, 0.0]),
-            (top + side, [1.0, 1.0]),
-            (top - side, [0.0, 1.0]),
+            Corner::new(bottom - side, [0.0, 0.0]),
+            Corner::new(bottom + side, [1.0, 0.0]),
+            Corner::new(top + side, [1.0, 1.0]),
+            Corner::new(top - side, [0.0, 1.0]),
         ];
         scene.mesh(
             Layer::Visible,

@@ -50,7 +50,7 @@ pub(crate) fn build(
 ) {
     let palette = &inputs.palette;
     out.scene
-        .object(format!("door of {}", door.address), SemanticClass::Door);
+        .begin_object(format!("door of {}", door.address), SemanticClass::Door);
     let pose = door.pose();
     let own = if chance(rng, 0.3) {
         pick(rng, &palette.doors)

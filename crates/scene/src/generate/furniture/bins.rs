@@ -57,7 +57,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
 
 fn bin(scene: &mut SceneBuilder, palette: &Palette, pose: Pose2, rng: &mut Pcg64Mcg) {
     let dark = palette.dark_metal;
-    scene.object("bin", SemanticClass::Furniture);
+    scene.begin_object("bin", SemanticClass::Furniture);
     let body = pick(rng, &[dark, palette.green, dark]);
     let lid = pick(rng, &[palette.green, palette.yellow, dark, palette.metal]);
     let body_block = Block {

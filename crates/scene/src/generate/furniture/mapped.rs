@@ -42,7 +42,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
             in_the_way += 1;
             continue;
         }
-        out.scene.object(kind.value, SemanticClass::Furniture);
+        out.scene.begin_object(kind.value, SemanticClass::Furniture);
         let mut piece = Piece {
             scene: &mut out.scene,
             palette: &inputs.palette,

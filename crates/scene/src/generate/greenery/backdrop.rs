@@ -38,7 +38,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
             let half_height = between(&mut rng, 3.0, 5.0);
             let core = pick(&mut rng, &inputs.palette.crowns).core;
             if !out.is_full() && occupied.is_free_at(p, radius, ROAD | BUILDING | WATER) {
-                out.scene.object("tree", SemanticClass::Vegetation);
+                out.scene.begin_object("tree", SemanticClass::Vegetation);
                 let center = at(p, half_height * 0.85);
                 let crown = Ball {
                     center,

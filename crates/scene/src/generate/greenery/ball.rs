@@ -7,8 +7,8 @@ use nalgebra::{Point3, Vector3};
 use rand_pcg::Pcg64Mcg;
 
 use crate::generate::seeds::between;
-use crate::generate::shapes::{Corner, Surface};
-use crate::scene::{Layer, SceneBuilder};
+use crate::generate::shapes::Surface;
+use crate::scene::{Corner, Layer, SceneBuilder};
 
 /// A ball that is stretched upwards, metres.
 #[derive(Debug, Clone, Copy)]
@@ -54,7 +54,7 @@ pub(super) fn ball(
         // direction.
         let around = libm::atan2(y, x) * radius;
         let up = p.z + 0.3 * x;
-        (
+        Corner::new(
             p,
             [(around / surface.tile) as f32, (up / surface.tile) as f32],
         )

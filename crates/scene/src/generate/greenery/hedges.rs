@@ -7,8 +7,8 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::generate::inputs::Inputs;
 use crate::generate::seeds::{Purpose, between, stream};
-use crate::generate::shapes::{Block, Corner, Surface, at, cuboid};
-use crate::scene::{Layer, SceneBuilder};
+use crate::generate::shapes::{Block, Surface, at, cuboid};
+use crate::scene::{Corner, Layer, SceneBuilder};
 
 /// Distance between the cross sections of a hedge in a neighbourhood, metres.
 const SECTION_M: f64 = 1.2;
@@ -128,8 +128,9 @@ fn ribs(scene: &mut SceneBuilder, surface: Surface, first: &Section, second: &Se
         } else {
             0.0
         };
-        corners.push((first.corners[k], [tile(first.run), tile(around)]));
-        corners.push((second.corners[k], [tile(second.run), tile(around)]));
+        let v = tile(around);
+        corners.push(Corner::new(first.corners[k], [tile(first.run), v]));
+        corners.push(Corner::new(second.corners[k], [tile(second.run), v]));
     }
     let faces: Vec<[u32; 3]> = (0..CORNERS as u32 - 1)
         .flat_map(|k| [[2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2]])
@@ -144,7 +145,11 @@ fn end(scene: &mut SceneBuilder, surface: Surface, section: &Section, is_first: 
         let run = ((p.x - origin.x).powi(2) + (p.y - origin.y).powi(2)).sqrt();
         [(run / surface.tile) as f32, (p.z / surface.tile) as f32]
     };
-    let corners: Vec<Corner> = section.corners.iter().map(|p| (*p, uv(p))).collect();
+    let corners: Vec<Corner> = section
+        .corners
+        .iter()
+        .map(|p| Corner::new(*p, uv(p)))
+        .collect();
     let faces = (2..CORNERS as u32).map(|i| {
         if is_first {
             [0, i - 1, i]

@@ -65,7 +65,7 @@ fn shrub(
         kind if kind < 0.55 => pick(rng, &palette.flowers),
         _ => palette.hedge,
     };
-    scene.object("shrub", SemanticClass::Vegetation);
+    scene.begin_object("shrub", SemanticClass::Vegetation);
     let height = radius * between(rng, 1.4, 2.2);
     let crown = Ball {
         center: at(p, height * 0.45),

@@ -87,7 +87,7 @@ pub(super) fn build(
     if out.is_full() {
         return;
     }
-    out.scene.object("tree", SemanticClass::Vegetation);
+    out.scene.begin_object("tree", SemanticClass::Vegetation);
     let girth = between(rng, 0.11, 0.19);
     if is_conifer {
         conifer(inputs, &mut out.scene, p, girth, rng);

@@ -26,7 +26,7 @@ const MOST_COUNTED: usize = 300;
 
 /// Builds the paved ground.
 pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
-    out.scene.object("paving", SemanticClass::Pavement);
+    out.scene.begin_object("paving", SemanticClass::Pavement);
     for building in &inputs.map.buildings {
         if !is_in_town(inputs.map, building.polygon.centroid()) || out.is_full() {
             continue;

@@ -20,7 +20,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
         let polygon = &area.polygon;
         if inputs.extent.meets(polygon, GROUND_MARGIN_M) {
             let name = area.tags.get("name").unwrap_or("area").to_owned();
-            out.scene.object(name, SemanticClass::Ground);
+            out.scene.begin_object(name, SemanticClass::Ground);
             floor(
                 &mut out.scene,
                 surface,

@@ -11,10 +11,10 @@ use crate::generate::layout::clearance::WATER;
 use crate::generate::layout::extent::GROUND_MARGIN_M;
 use crate::generate::output::Output;
 use crate::generate::seeds::{Purpose, between, stream};
-use crate::generate::shapes::{Corner, Surface, at, level_uv};
+use crate::generate::shapes::{Surface, at, level_uv};
 use crate::generate::water::coast::SEA_LEVEL_M;
 use crate::material::SemanticClass;
-use crate::scene::{Layer, SceneBuilder};
+use crate::scene::{Corner, Layer, SceneBuilder};
 
 /// A row of hills, metres.
 struct Row {
@@ -57,7 +57,7 @@ struct Column {
 
 /// Builds the hills and the sea on the horizon.
 pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
-    out.scene.object("horizon", SemanticClass::Ground);
+    out.scene.begin_object("horizon", SemanticClass::Ground);
     let columns = levelled(columns(inputs));
     for (i, this) in columns.iter().enumerate() {
         let next = &columns[(i + 1) % columns.len()];
@@ -132,7 +132,7 @@ fn levelled(columns: Vec<Column>) -> Vec<Column> {
 
 /// Two triangles, seen from above.
 fn slope(scene: &mut SceneBuilder, surface: Surface, corners: [Point3<f64>; 4]) {
-    let corners: [Corner; 4] = corners.map(|p| (p, level_uv(surface, MapPoint::new(p.x, p.y))));
+    let corners = corners.map(|p| Corner::new(p, level_uv(surface, MapPoint::new(p.x, p.y))));
     scene.mesh(
         Layer::Visible,
         surface.material,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::MapPoint;
-use openbench_geometry::{Polygon, turn};
+use openbench_geometry::{Bounds, Polygon, turn};
 
 use crate::beyond::{Rectangle, beyond};
 use crate::generate::inputs::Inputs;
@@ -28,32 +28,37 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
     let (min, max) = (rim.min, rim.max);
     let grass = inputs.palette.grass;
     let scene = &mut out.scene;
-    scene.object("ground", SemanticClass::Ground);
-    let sides = (
-        Vector3::x() * (max.x - min.x),
-        Vector3::y() * (max.y - min.y),
-    );
-    let repeat = [
-        (sides.0.x / grass.tile) as f32,
-        (sides.1.y / grass.tile) as f32,
-    ];
+    scene.begin_object("ground", SemanticClass::Ground);
+    let east = Vector3::x() * (max.x - min.x);
+    let north = Vector3::y() * (max.y - min.y);
+    let repeat = [(east.x / grass.tile) as f32, (north.y / grass.tile) as f32];
     // A robot finds ground everywhere; the quay walls keep it out of the sea.
     let layer = if inputs.sea.is_empty() {
         Layer::Both
     } else {
         Layer::Solid
     };
-    scene.rectangle(layer, grass.material, at(min, 0.0), sides, repeat);
-    scene.extent(min, max);
+    scene.rectangle(layer, grass.material, at(min, 0.0), east, north, repeat);
+    scene.set_extent(Bounds {
+        low: min,
+        high: max,
+    });
     solid_beyond(scene, grass, min, max);
     if inputs.sea.is_empty() {
         return;
     }
     let is_cut_out = land(scene, grass, &rim.corners(), &inputs.sea);
     if !is_cut_out {
-        scene.rectangle(Layer::Visible, grass.material, at(min, 0.0), sides, repeat);
+        scene.rectangle(
+            Layer::Visible,
+            grass.material,
+            at(min, 0.0),
+            east,
+            north,
+            repeat,
+        );
     }
-    scene.object("sea", SemanticClass::Ground);
+    scene.begin_object("sea", SemanticClass::Ground);
     for part in &inputs.sea {
         let level = if is_cut_out { SEA_LEVEL_M } else { Z_SEA_M };
         floor(scene, inputs.palette.water, &part.outer, &part.holes, level);
@@ -71,16 +76,10 @@ fn solid_beyond(scene: &mut SceneBuilder, grass: Surface, min: MapPoint, max: Ma
         high: [max.x, max.y],
     };
     for Rectangle { low, high } in beyond(drawn) {
-        let along_x = Vector3::x() * (high[0] - low[0]);
-        let along_y = Vector3::y() * (high[1] - low[1]);
+        let east = Vector3::x() * (high[0] - low[0]);
+        let north = Vector3::y() * (high[1] - low[1]);
         let corner = Point3::new(low[0], low[1], 0.0);
-        scene.rectangle(
-            Layer::Solid,
-            grass.material,
-            corner,
-            (along_x, along_y),
-            [1.0; 2],
-        );
+        scene.rectangle(Layer::Solid, grass.material, corner, east, north, [1.0; 2]);
     }
 }
 

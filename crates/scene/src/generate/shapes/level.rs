@@ -6,8 +6,8 @@ use openbench_core::{MapPoint, Pose2};
 
 use super::rings::parallel;
 use super::solids::{facet, fan};
-use super::surface::{Corner, Surface, at};
-use crate::scene::{Layer, SceneBuilder};
+use super::surface::{Surface, at};
+use crate::scene::{Corner, Layer, SceneBuilder};
 use crate::triangulate::triangulate;
 
 /// A rectangle about a pose at height `z`, seen from above.
@@ -30,6 +30,11 @@ pub(crate) fn level_uv(surface: Surface, p: MapPoint) -> [f32; 2] {
     [(p.x / surface.tile) as f32, (p.y / surface.tile) as f32]
 }
 
+/// A corner of what lies level at height `z`.
+fn level_corner(surface: Surface, p: MapPoint, z: f64) -> Corner {
+    Corner::new(at(p, z), level_uv(surface, p))
+}
+
 /// A filled outline with holes at height `z`, seen from above.
 pub(crate) fn floor(
     scene: &mut SceneBuilder,
@@ -39,7 +44,7 @@ pub(crate) fn floor(
     z: f64,
 ) {
     for triangle in triangulate(outer, holes) {
-        let corners = triangle.map(|p| (at(p, z), level_uv(surface, p)));
+        let corners = triangle.map(|p| level_corner(surface, p, z));
         scene.mesh(Layer::Visible, surface.material, &corners, &[[0, 1, 2]]);
     }
 }
@@ -61,8 +66,9 @@ pub(crate) fn band(
             0.0
         };
         let u = (run / surface.tile) as f32;
-        corners.push((at(right, z), [u, 0.0]));
-        corners.push((at(left, z), [u, (2.0 * half / surface.tile) as f32]));
+        let across = (2.0 * half / surface.tile) as f32;
+        corners.push(Corner::new(at(right, z), [u, 0.0]));
+        corners.push(Corner::new(at(left, z), [u, across]));
     }
     let quads = (1..line.len() as u32).flat_map(|i| {
         let k = 2 * i;
@@ -94,7 +100,7 @@ fn half_disc(
     const STEPS: usize = 6;
     let angle = |i: usize| facing + PI * (i as f64 / STEPS as f64 - 0.5);
     let points = (0..=STEPS).map(|i| center.offset(angle(i), radius));
-    let corners: Vec<Corner> = points.map(|p| (at(p, z), level_uv(surface, p))).collect();
+    let corners: Vec<Corner> = points.map(|p| level_corner(surface, p, z)).collect();
     scene.mesh(
         Layer::Visible,
         surface.material,

@@ -2,7 +2,7 @@
 //!
 //! | file | its one job |
 //! |---|---|
-//! | `surface` | surfaces of materials, and corners |
+//! | `surface` | surfaces of materials, and points at a height |
 //! | `upright` | vertical rectangles over a line: walls, fitted images, fences |
 //! | `solids` | planar polygons in space, boxes, frustums |
 //! | `level` | level rectangles, filled outlines, bands along lines |
@@ -16,5 +16,5 @@ mod upright;
 
 pub(super) use level::{band, floor, level_rectangle, level_uv};
 pub(super) use solids::{Block, Frustum, cuboid, facet, frustum};
-pub(super) use surface::{Corner, Surface, at};
+pub(super) use surface::{Surface, at};
 pub(super) use upright::{panel, see_through, wall};

@@ -7,9 +7,9 @@ use nalgebra::{Point3, Vector3};
 use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::Segment;
 
-use super::surface::{Corner, Surface, at};
+use super::surface::{Surface, at};
 use super::upright::wall;
-use crate::scene::{Layer, SceneBuilder};
+use crate::scene::{Corner, Layer, SceneBuilder};
 
 /// A box in the frame of a pose: forward, left, up, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ pub(crate) fn facet(
             (d.dot(&across) / surface.tile) as f32,
         ]
     };
-    let corners: Vec<Corner> = points.iter().map(|p| (*p, uv(p))).collect();
+    let corners: Vec<Corner> = points.iter().map(|p| Corner::new(*p, uv(p))).collect();
     scene.mesh(layer, surface.material, &corners, &fan(points.len()));
 }
 

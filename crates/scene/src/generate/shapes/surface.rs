@@ -1,4 +1,4 @@
-//! Surfaces of materials, and the corners of what is built of them.
+//! Surfaces of materials, and points at a height.
 
 use nalgebra::Point3;
 use openbench_core::MapPoint;
@@ -11,9 +11,6 @@ pub(crate) struct Surface {
     pub material: MaterialId,
     pub tile: f64,
 }
-
-/// Corner with texture coordinates in tiles.
-pub(crate) type Corner = (Point3<f64>, [f32; 2]);
 
 /// A point at a height.
 pub(crate) fn at(p: MapPoint, z: f64) -> Point3<f64> {

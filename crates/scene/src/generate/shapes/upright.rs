@@ -6,7 +6,7 @@ use openbench_geometry::Segment;
 
 use super::surface::{Surface, at};
 use crate::material::MaterialId;
-use crate::scene::{Layer, SceneBuilder};
+use crate::scene::{Corner, Layer, SceneBuilder};
 
 /// A vertical rectangle over a line, seen from its right; the image is tiled by metres.
 pub(crate) fn wall(
@@ -64,10 +64,10 @@ fn upright(
     v: Range<f32>,
 ) {
     let corners = [
-        (at(a, z.start), [0.0, v.start]),
-        (at(b, z.start), [u, v.start]),
-        (at(b, z.end), [u, v.end]),
-        (at(a, z.end), [0.0, v.end]),
+        Corner::new(at(a, z.start), [0.0, v.start]),
+        Corner::new(at(b, z.start), [u, v.start]),
+        Corner::new(at(b, z.end), [u, v.end]),
+        Corner::new(at(a, z.end), [0.0, v.end]),
     ];
     scene.mesh(layer, material, &corners, &[[0, 1, 2], [0, 2, 3]]);
 }

@@ -10,9 +10,9 @@ use rand_pcg::Pcg64Mcg;
 use crate::generate::materials::palette::{PAINTS, Palette};
 use crate::generate::seeds::pick;
 use crate::generate::shapes::rings::signed_area;
-use crate::generate::shapes::{Block, Corner, Surface, at, cuboid, facet};
+use crate::generate::shapes::{Block, Surface, at, cuboid, facet};
 use crate::material::{Material, SemanticClass};
-use crate::scene::{Layer, Scene, SceneBuilder};
+use crate::scene::{Corner, Layer, Scene, SceneBuilder};
 use crate::triangulate::triangulate;
 
 /// Half the length of a car, metres.
@@ -289,7 +289,7 @@ fn flank(
     }
     for [a, b, c] in triangulate(&flat, &[]) {
         let order = if side < 0.0 { [a, b, c] } else { [a, c, b] };
-        let corners: [Corner; 3] = order.map(|q| (place(p(q.x, q.y)), [0.0, 0.0]));
+        let corners = order.map(|q| Corner::new(place(p(q.x, q.y)), [0.0, 0.0]));
         scene.mesh(layer, surface.material, &corners, &[[0, 1, 2]]);
     }
 }

@@ -36,7 +36,7 @@ const NARROWEST_ZEBRA_M: f64 = 4.5;
 pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
     let roads = &inputs.map.roads;
     let breaks = Breaks::new(roads, &inputs.features);
-    out.scene.object("road markings", SemanticClass::Road);
+    out.scene.begin_object("road markings", SemanticClass::Road);
     for road in roads
         .iter()
         .filter(|r| profile(&r.tags).is_some_and(|p| p.marked))

@@ -135,7 +135,9 @@ impl Parking<'_, '_> {
     }
 
     fn place_lines(&mut self, pose: Pose2) {
-        self.out.scene.object("parking place", SemanticClass::Road);
+        self.out
+            .scene
+            .begin_object("parking place", SemanticClass::Road);
         for side in [-1.0, 1.0] {
             let p = pose.transform(0.0, side * PLACE_WIDTH_M / 2.0);
             let line = Pose2::new(p.x, p.y, pose.yaw);
@@ -153,7 +155,7 @@ impl Parking<'_, '_> {
             .holds(pose.point(), GROUND_MARGIN_M / 2.0);
         let wanted = taken && near && !self.out.is_full();
         if wanted && self.occupied.is_free(axis, HALF_WIDTH_M + 0.02, kinds) {
-            self.out.scene.object("car", SemanticClass::Vehicle);
+            self.out.scene.begin_object("car", SemanticClass::Vehicle);
             car::draw(&self.inputs.palette, rng).build(&mut self.out.scene, pose);
             self.occupied.add(axis, HALF_WIDTH_M);
         }

@@ -35,10 +35,10 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
         let name = name.to_owned();
         let palette = &inputs.palette;
         if profile.for_cars {
-            out.scene.object(name, SemanticClass::Road);
+            out.scene.begin_object(name, SemanticClass::Road);
             carriageway(&mut out.scene, palette, road, profile);
         } else {
-            out.scene.object(name, SemanticClass::Pavement);
+            out.scene.begin_object(name, SemanticClass::Pavement);
             let surface = path_surface(&road.tags, palette);
             let z = if surface == palette.paving {
                 Z_SIDEWALK_M

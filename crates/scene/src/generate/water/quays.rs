@@ -162,7 +162,7 @@ fn stretches(segment: Segment, is_wet: impl Fn(MapPoint) -> bool) -> Vec<Segment
 pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
     let half = THICKNESS_M / 2.0;
     let surface = inputs.palette.quay;
-    out.scene.object("quay wall", SemanticClass::Wall);
+    out.scene.begin_object("quay wall", SemanticClass::Wall);
     for line in &inputs.quays {
         let above = |low: f64| Block {
             min: [-half, -half, low],

@@ -8,7 +8,8 @@ use roxmltree::Node;
 use super::super::error::ImportError;
 use super::super::xml::{child, children, list, malformed};
 use super::dae_document::{Dae, input, source};
-use super::part::{Corner, Joiner, Part};
+use super::part::{Joiner, Part};
+use crate::scene::Corner;
 
 /// Targets of the indices of a primitive.
 struct Streams {
@@ -174,7 +175,7 @@ impl Streams {
                 [uv[0] as f32, uv[1] as f32]
             }
         };
-        Some((Point3::new(p[0], p[1], p[2]), uv))
+        Some(Corner::new(Point3::new(p[0], p[1], p[2]), uv))
     }
 }
 

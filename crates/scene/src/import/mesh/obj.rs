@@ -11,7 +11,8 @@ use nalgebra::Point3;
 
 use super::super::error::{ImportError, ObjError};
 use super::super::xml::read_text;
-use super::part::{Corner, Joiner, MAX_TRIANGLES, Mesh, MeshMaterial, Part};
+use super::part::{Joiner, MAX_TRIANGLES, Mesh, MeshMaterial, Part};
+use crate::scene::Corner;
 
 #[derive(Default)]
 struct Obj {
@@ -86,8 +87,8 @@ impl Obj {
                 .filter(|f| !f.is_empty())
                 .map(|f| index(f, self.uvs.len()))
                 .transpose()?;
-            let make = || -> Corner {
-                (
+            let make = || {
+                Corner::new(
                     self.positions[position],
                     uv.map_or([0.0; 2], |i| self.uvs[i]),
                 )
@@ -202,8 +203,11 @@ mod tests {
     fn a_square_becomes_two_triangles() {
         let mesh = read(Path::new("a.obj"), SQUARE).unwrap();
         assert_eq!(mesh.parts[0].triangles, [[0, 1, 2], [0, 2, 3]]);
-        assert_eq!(mesh.parts[0].corners[3].0, Point3::new(0.0, 1.0, 0.0));
-        assert_eq!(mesh.parts[0].corners[2].1, [1.0, 1.0]);
+        assert_eq!(
+            mesh.parts[0].corners[3].position,
+            Point3::new(0.0, 1.0, 0.0)
+        );
+        assert_eq!(mesh.parts[0].corners[2].uv, [1.0, 1.0]);
         assert!(mesh.parts[0].names.contains(&"side".to_owned()));
     }
 

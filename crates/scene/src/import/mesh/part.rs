@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Point3;
+use crate::scene::Corner;
 
 /// Triangles of a mesh file at most.
 pub(super) const MAX_TRIANGLES: usize = 5_000_000;
@@ -28,9 +28,6 @@ pub(crate) struct Part {
     /// Counter-clockwise from outside.
     pub(crate) triangles: Vec<[u32; 3]>,
 }
-
-/// Position and texture coordinates.
-pub(crate) type Corner = (Point3<f64>, [f32; 2]);
 
 /// The material of a part in a mesh file.
 #[derive(Debug, Clone, PartialEq)]
