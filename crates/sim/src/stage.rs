@@ -40,7 +40,7 @@ impl Stage {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn peopled(mut scene: Scene, plan: TrafficPlan) -> Result<Self, SimError> {
+    pub fn with_figures(mut scene: Scene, plan: TrafficPlan) -> Result<Self, SimError> {
         let gallery = Arc::new(Gallery::add(&mut scene, plan));
         Ok(Self {
             gallery,

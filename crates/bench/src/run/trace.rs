@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use openbench_core::{Address, FailureCause, Image, MapPoint, ModelUse, Plan, SimTime, Velocity};
 use openbench_sim::Collision;
-use openbench_sim::traffic::Totals;
+use openbench_sim::traffic::EncounterTotals;
 
 use crate::score::metrics::{PoseError, SmoothnessSum};
 
@@ -31,7 +31,7 @@ pub struct TaskOutcome {
     /// Collisions during the delivery.
     pub collisions: Vec<Collision>,
     /// Encounters with people and cars; `None` in a world without traffic.
-    pub encounters: Option<Totals>,
+    pub encounters: Option<EncounterTotals>,
     /// Distance between the last estimated and the true position at the end, metres; `None` if the
     /// agent reported no pose.
     pub pose_error_m: Option<f64>,

@@ -238,15 +238,15 @@ fn generate_within(
     for build in PLACED {
         build(&inputs, &mut occupied, &mut out);
     }
-    let (scene, warnings) = out.finish();
+    let finished = out.finish();
     Ok(World {
         name: options.name.clone(),
-        scene,
+        scene: finished.scene,
         map: public,
         georeference,
         start,
         attribution: options.attribution.clone(),
-        warnings,
+        warnings: finished.warnings,
     })
 }
 

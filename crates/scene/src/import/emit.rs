@@ -17,7 +17,7 @@ use super::patterns::Pattern;
 use super::plates::plate_of;
 use super::relief;
 use super::road::{ribbon, shift_to_ground};
-use super::sdf::{Geometry, Heightmap, ImageShape, MeshUse, Model, Paint, Road, Shape};
+use super::sdf::{Geometry, Heightmap, ImageShape, MeshUse, Model, Paint, Road, Shape, TiledImage};
 use super::search::{SearchPath, model_of};
 use super::warnings::Warnings;
 use crate::scene::{Corner, Layer};
@@ -191,9 +191,9 @@ impl<'a> Emitter<'a> {
             ..Paint::default()
         };
         let (own, tile) = match textured {
-            Some((image, tile)) => (
+            Some(TiledImage { uri, tile }) => (
                 self.looks
-                    .of_paint(self.builder, &paint(image), self.warnings)?,
+                    .of_paint(self.builder, &paint(uri), self.warnings)?,
                 tile,
             ),
             None => (None, 1.0),
@@ -221,7 +221,8 @@ impl<'a> Emitter<'a> {
         painted: Option<Look>,
         setting: &Setting,
     ) -> Result<(), ImportError> {
-        let (path, mesh) = self.load(wanted, setting.model)?;
+        let path = self.file(&wanted.uri, setting.model)?;
+        let mesh = self.load(&path)?;
         let used = |p: &&Part| {
             wanted
                 .submesh
@@ -271,14 +272,14 @@ impl<'a> Emitter<'a> {
         })
     }
 
-    fn load(&mut self, wanted: &MeshUse, model: &str) -> Result<(PathBuf, Rc<Mesh>), ImportError> {
-        let path = self.file(&wanted.uri, model)?;
-        if let Some(mesh) = self.meshes.get(&path) {
-            return Ok((path, mesh.clone()));
+    /// The mesh in a file, which is read once.
+    fn load(&mut self, path: &Path) -> Result<Rc<Mesh>, ImportError> {
+        if let Some(mesh) = self.meshes.get(path) {
+            return Ok(mesh.clone());
         }
-        let mesh = Rc::new(mesh::read(&path)?);
-        self.meshes.insert(path.clone(), mesh.clone());
-        Ok((path, mesh))
+        let mesh = Rc::new(mesh::read(path)?);
+        self.meshes.insert(path.to_owned(), mesh.clone());
+        Ok(mesh)
     }
 
     fn part(&mut self, part: &Part, look: &Look, setting: &Setting) -> Result<(), ImportError> {

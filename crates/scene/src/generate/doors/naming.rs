@@ -39,13 +39,19 @@ pub(super) struct Names<'a> {
     /// Names that were given, folded.
     taken: BTreeSet<String>,
     given: BTreeMap<ElementId, String>,
-    tags: Vec<(ElementId, Tags)>,
+    added: Vec<AddedTags>,
 }
 
 /// Street and house number.
 struct StreetAddress {
     street: String,
     number: String,
+}
+
+/// Tags that an element of the public map gets.
+struct AddedTags {
+    element: ElementId,
+    tags: Tags,
 }
 
 /// A name, and the tags that the public map needs for it.
@@ -73,7 +79,7 @@ impl<'a> Names<'a> {
             addresses: addresses(map, data),
             taken: BTreeSet::new(),
             given: BTreeMap::new(),
-            tags: Vec::new(),
+            added: Vec::new(),
         }
     }
 
@@ -92,7 +98,10 @@ impl<'a> Names<'a> {
         let Named { name, tags } = self.choose(index, building, door);
         if !tags.is_empty() {
             self.taken.insert(fold(&name));
-            self.tags.push((building.element, tags));
+            self.added.push(AddedTags {
+                element: building.element,
+                tags,
+            });
         }
         self.given.insert(building.element, name.clone());
         name
@@ -100,7 +109,11 @@ impl<'a> Names<'a> {
 
     /// Writes the names that the map lacks into the public map.
     pub fn write(self, public: &mut OsmData) {
-        for (element, added) in self.tags {
+        for AddedTags {
+            element,
+            tags: added,
+        } in self.added
+        {
             let tags = match element.kind {
                 ElementKind::Way => public.ways.get_mut(&element.id).map(|w| &mut w.tags),
                 ElementKind::Relation => public.relations.get_mut(&element.id).map(|r| &mut r.tags),

@@ -186,38 +186,54 @@ pub(super) fn earth(seed: u64) -> Texture {
     })
 }
 
-/// The leaf that covers a texel: its number, and the distance of the texel from the middle of the
-/// leaf, from 0 to 1 at its edge. Leaves lie about a jittered grid of `grain` texels (a divisor of
+/// The leaf that covers a texel.
+struct Leaf {
+    number: u64,
+    /// Distance of the texel from the middle of the leaf, from 0 to 1 at its edge.
+    from_middle: f32,
+}
+
+/// The leaf that covers a texel. Leaves lie about a jittered grid of `grain` texels (a divisor of
 /// SIDE), the nearest in front (Worley, *A Cellular Texture Basis Function*, 1996).
-fn leaf(x: u32, y: u32, grain: u32, seed: u64) -> (u64, f32) {
+fn leaf(x: u32, y: u32, grain: u32, seed: u64) -> Leaf {
     let cells = SIDE / grain;
     let (cx, cy) = (x / grain, y / grain);
-    let (mut best, mut second) = ((f32::MAX, 0), f32::MAX);
+    let (mut number_of_nearest, mut first, mut second) = (0, f32::MAX, f32::MAX);
     for (dx, dy) in (0..3).flat_map(|dx| (0..3).map(move |dy| (dx, dy))) {
         let (kx, ky) = ((cx + cells + dx - 1) % cells, (cy + cells + dy - 1) % cells);
         let number = mix(seed ^ (u64::from(kx) << 32) ^ u64::from(ky));
-        let jitter = |bits: u64| (bits & 0xff) as f32 / 255.0;
-        let px = (cx as f32 + dx as f32 - 1.0 + jitter(number)) * grain as f32;
-        let py = (cy as f32 + dy as f32 - 1.0 + jitter(number >> 8)) * grain as f32;
+        let px = (cx as f32 + dx as f32 - 1.0 + share_of_byte(number)) * grain as f32;
+        let py = (cy as f32 + dy as f32 - 1.0 + share_of_byte(number >> 8)) * grain as f32;
         let (u, v) = (px - x as f32, (py - y as f32) * 1.4);
         let distance = (u * u + v * v).sqrt();
-        if distance < best.0 {
-            second = best.0;
-            best = (distance, number);
+        if distance < first {
+            second = first;
+            first = distance;
+            number_of_nearest = number;
         } else {
             second = second.min(distance);
         }
     }
-    (best.1, best.0 / second.max(1e-3))
+    Leaf {
+        number: number_of_nearest,
+        from_middle: first / second.max(1e-3),
+    }
+}
+
+/// The lowest eight bits, from 0 to 1.
+fn share_of_byte(bits: u64) -> f32 {
+    (bits & 0xff) as f32 / 255.0
 }
 
 /// Brightness of a texel among leaves: each leaf has its own, and shades those below it.
 fn leafage(x: u32, y: u32, seed: u64) -> f32 {
-    let (number, edge) = leaf(x, y, 16, seed);
-    let (small, small_edge) = leaf(x, y, 8, seed ^ 21);
-    let tone = |number: u64| (number >> 24 & 0xff) as f32 / 255.0;
-    let bright = 0.52 + 0.46 * tone(number) + 0.22 * tone(small);
-    bright * (1.0 - 0.50 * edge * edge) * (1.0 - 0.25 * small_edge * small_edge)
+    let large = leaf(x, y, 16, seed);
+    let small = leaf(x, y, 8, seed ^ 21);
+    let tone = |leaf: &Leaf| share_of_byte(leaf.number >> 24);
+    let bright = 0.52 + 0.46 * tone(&large) + 0.22 * tone(&small);
+    bright
+        * (1.0 - 0.50 * large.from_middle * large.from_middle)
+        * (1.0 - 0.25 * small.from_middle * small.from_middle)
 }
 
 /// Dense small leaves.
@@ -234,10 +250,13 @@ pub(super) fn foliage(seed: u64) -> Texture {
 /// Leaves with flowers among them; the material's colour tints the flowers.
 pub(super) fn blossoms(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
-        let (number, edge) = leaf(x, y, 16, seed);
+        let Leaf {
+            number,
+            from_middle,
+        } = leaf(x, y, 16, seed);
         let bright = leafage(x, y, seed) + 0.12;
-        if number >> 40 & 0xff < 105 && edge < 0.75 {
-            return rgb([1.0; 3], 1.0 - 0.35 * edge);
+        if number >> 40 & 0xff < 105 && from_middle < 0.75 {
+            return rgb([1.0; 3], 1.0 - 0.35 * from_middle);
         }
         rgb([0.36, 0.52, 0.30], bright)
     })
@@ -246,10 +265,13 @@ pub(super) fn blossoms(seed: u64) -> Texture {
 /// Leaves with holes between them, for crowns.
 pub(super) fn leaves(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
-        let (number, edge) = leaf(x, y, 16, seed);
+        let Leaf {
+            number,
+            from_middle,
+        } = leaf(x, y, 16, seed);
         let gap = cloud(x, y, 32, seed ^ 4) + 0.35 * ((number >> 48 & 0xff) as f32 / 255.0 - 0.5);
         let mut texel = rgb([0.62, 0.86, 0.44], leafage(x, y, seed) + 0.16);
-        texel[3] = if gap < 0.34 || gap < 0.46 && edge > 0.8 {
+        texel[3] = if gap < 0.34 || gap < 0.46 && from_middle > 0.8 {
             0
         } else {
             255

@@ -22,7 +22,7 @@ pub(super) fn window(frame: [f32; 3], glazing: Glazing, curtains: bool, seed: u6
     let (width, height) = (96_u32, 112_u32);
     paint(width, height, |x, y| {
         let border = x < 7 || x >= width - 7 || y < 7 || y >= height - 7;
-        if border || is_bar(x, y, (width, height), glazing) {
+        if border || is_bar([x, y], [width, height], glazing) {
             // Lit from above left, as a moulding would be.
             let shade = if x < 2 || y < 2 {
                 1.0
@@ -112,7 +112,8 @@ pub(super) fn stripes() -> Texture {
     })
 }
 
-fn is_bar(x: u32, y: u32, (width, height): (u32, u32), glazing: Glazing) -> bool {
+/// Whether a texel belongs to a glazing bar of a window of this size, texels.
+fn is_bar([x, y]: [u32; 2], [width, height]: [u32; 2], glazing: Glazing) -> bool {
     let near = |value: u32, middle: u32, half: u32| value.abs_diff(middle) <= half;
     match glazing {
         Glazing::Single => near(y, height / 4, 2),
@@ -135,17 +136,17 @@ pub(super) fn door(glass: bool) -> Texture {
         {
             return rgb([0.95, 0.9, 0.75], 0.95);
         }
-        let Some((inside, depth)) = door_panel(x, y) else {
+        let Some(InPanel { inset, in_shade }) = door_panel(x, y) else {
             return rgb([1.0; 3], 0.88 - 0.02 * speck(x / 2, y / 16, 1));
         };
-        if glass && y < 84 && inside > 3 {
+        if glass && y < 84 && inset > 3 {
             let streak = if (x + y / 2) % 48 < 12 { 0.16 } else { 0.0 };
             return rgb([0.55, 0.68, 0.78], 0.55 + streak);
         }
         rgb(
             [1.0; 3],
-            if inside <= 2 {
-                if depth { 0.55 } else { 0.98 }
+            if inset <= 2 {
+                if in_shade { 0.55 } else { 0.98 }
             } else {
                 0.78
             },
@@ -153,15 +154,25 @@ pub(super) fn door(glass: bool) -> Texture {
     })
 }
 
-/// For a texel of a door, its distance in texels from the edge of the panel that it lies in, and
-/// whether that edge is in shade. `None` outside of panels.
-fn door_panel(x: u32, y: u32) -> Option<(u32, bool)> {
+/// A texel in a panel of a door.
+struct InPanel {
+    /// Distance from the nearest edge of the panel, texels.
+    inset: u32,
+    /// Whether that edge is in shade: light comes from above left.
+    in_shade: bool,
+}
+
+/// The place of a texel in the panel of a door; `None` outside of panels.
+fn door_panel(x: u32, y: u32) -> Option<InPanel> {
     let columns = [(12_u32, 44_u32), (52, 74)];
     let rows = [(12_u32, 84_u32), (116, 180)];
     let (left, right) = columns.into_iter().find(|c| (c.0..c.1).contains(&x))?;
     let (top, bottom) = rows.into_iter().find(|r| (r.0..r.1).contains(&y))?;
     let (near, far) = ((x - left).min(y - top), (right - 1 - x).min(bottom - 1 - y));
-    Some((near.min(far), near <= far))
+    Some(InPanel {
+        inset: near.min(far),
+        in_shade: near <= far,
+    })
 }
 
 /// A garage door of horizontal leaves, grey for tinting.

@@ -50,16 +50,24 @@ impl Default for MeshMaterial {
     }
 }
 
+/// A corner by its indices in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct CornerKey {
+    pub(super) position: usize,
+    /// Of its texture coordinates; 0 for corners without any.
+    pub(super) uv: usize,
+}
+
 /// Joins corners that share position and texture coordinates, by their indices in the file.
 #[derive(Debug, Default)]
 pub(super) struct Joiner {
-    known: BTreeMap<(usize, usize), u32>,
+    known: BTreeMap<CornerKey, u32>,
     pub(super) part: Part,
 }
 
 impl Joiner {
     /// The number of the corner with these indices, which `make` makes when it is new.
-    pub(super) fn corner(&mut self, key: (usize, usize), make: impl FnOnce() -> Corner) -> u32 {
+    pub(super) fn corner(&mut self, key: CornerKey, make: impl FnOnce() -> Corner) -> u32 {
         let corners = &mut self.part.corners;
         *self.known.entry(key).or_insert_with(|| {
             corners.push(make());
