@@ -12,6 +12,7 @@ mod slices;
 use openbench_core::MapPoint;
 use openbench_geometry::Bounds;
 use openbench_geometry::grid::{GridGeometry, squared_distances};
+use openbench_geometry::line::length;
 
 use crate::raycast::RayCaster;
 use crate::scene::Door;
@@ -137,7 +138,7 @@ impl FreeSpace {
     /// Length of the shortest path of the footprint, metres; `None` if there is none.
     pub fn distance(&self, from: MapPoint, to: MapPoint) -> Option<f64> {
         let path = self.path(from, to)?;
-        Some(path.windows(2).map(|w| w[0].distance(w[1])).sum())
+        Some(length(&path))
     }
 
     /// The shortest path of the footprint, both ends included; `None` if there is none.

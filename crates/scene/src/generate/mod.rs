@@ -61,7 +61,7 @@ use crate::scene::SceneBuilder;
 use crate::world::{MAX_FROM_ORIGIN_M, World};
 use doors::entrances;
 use inputs::Inputs;
-use layout::extent::{Extent, GROUND_MARGIN_M};
+use layout::extent::{GROUND_MARGIN_M, extent_of};
 use layout::lanes::Lanes;
 use layout::occupied::Occupied;
 use layout::{features, keep_free, start};
@@ -146,7 +146,7 @@ pub fn generate(
 ) -> Result<World, GenerateError> {
     let anchor = match options.start {
         Some(start) => start.point(),
-        None => Extent::of_map(&OsmMap::new(data, georeference), georeference)?.middle(),
+        None => extent_of(&OsmMap::new(data, georeference), georeference)?.middle(),
     };
     let mut world = generate_about(anchor, data, georeference, seed, options)?;
     if world.start.point().distance(MapPoint::default()) > MAX_FROM_ORIGIN_M {
@@ -196,7 +196,7 @@ fn generate_within(
     options: &GenerateOptions,
 ) -> Result<World, GenerateError> {
     let map = OsmMap::new(data, georeference);
-    let extent = Extent::of_map(&map, georeference)?;
+    let extent = extent_of(&map, georeference)?;
     let sea = coast::sea(data, &map, extent.grown(GROUND_MARGIN_M));
     let mut clearance = keep_free::of_map(&map, &sea);
     let mut public = without_doors(data);

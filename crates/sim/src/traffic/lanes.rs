@@ -10,13 +10,14 @@ use std::ops::Range;
 
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::line::length;
 use openbench_osm::OsmMap;
 
 use super::ground::Ground;
 use super::hull::CAR_HALF_WIDTH_M;
 use super::mover::PERSON_RADIUS_M;
 use super::piece::{Piece, SPACING_M};
-use super::polyline::{length, offset_point, offset_points, resampled, trimmed};
+use super::polyline::{offset_point, offset_points, resampled, trimmed};
 use super::streets::{Street, StreetNetwork};
 
 /// Least distance of a car from obstacles beside its lane, metres.

@@ -275,7 +275,7 @@ fn fits_on_plate(unit: &str) -> bool {
 /// The place in a wall that is nearest to a point, far enough from its ends for a door.
 fn candidate_near(wall: Segment, point: MapPoint) -> Candidate {
     let length = wall.length();
-    let along = nearest_share(wall, point) * length;
+    let along = wall.nearest_point(point).share * length;
     let margin = LEAF_WIDTH_M / 2.0;
     let foot = wall.at(along.clamp(margin + 0.25, length - margin - 0.25) / length);
     Candidate {
@@ -331,13 +331,6 @@ fn has_room(door: &Doorway, offset: f64, others: &[Doorway]) -> bool {
         place > half + PLATE_MARGIN_M && place < door.wall.length() - half - PLATE_MARGIN_M;
     let mut spans = others.iter().filter_map(|d| d.span_on(door.wall));
     on_wall && !spans.any(|span| place + half > span.start && place - half < span.end)
-}
-
-fn nearest_share(wall: Segment, p: MapPoint) -> f64 {
-    let Segment { start: a, end: b } = wall;
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let squared = (dx * dx + dy * dy).max(1e-9);
-    (((p.x - a.x) * dx + (p.y - a.y) * dy) / squared).clamp(0.0, 1.0)
 }
 
 /// Whether people may live or work in a building.

@@ -9,6 +9,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{Address, MapPoint};
+use openbench_geometry::line::length;
 use openbench_osm::names::{building_name, fold};
 use openbench_osm::{
     Building, ElementId, ElementKind, Location, OsmData, OsmMap, Road, Tags, locate,
@@ -262,9 +263,4 @@ fn addresses(map: &OsmMap, data: &OsmData) -> BTreeMap<usize, StreetAddress> {
 fn is_plain(name: &str) -> bool {
     let short = name.chars().count() <= LONGEST_NAME;
     !name.trim().is_empty() && short && !name.contains([';', '\n', '|'])
-}
-
-/// Length of a line, metres.
-fn length(line: &[MapPoint]) -> f64 {
-    line.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }

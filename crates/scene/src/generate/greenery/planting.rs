@@ -1,11 +1,11 @@
 //! Trees that the seed adds where nothing else is.
 
 use openbench_core::MapPoint;
+use openbench_geometry::Bounds;
 
 use super::tree;
 use crate::generate::inputs::Inputs;
 use crate::generate::layout::clearance::{BUILDING, EVERYTHING, OBJECT};
-use crate::generate::layout::extent::Extent;
 use crate::generate::layout::occupied::Occupied;
 use crate::generate::output::Output;
 use crate::generate::seeds::{Purpose, between, chance, stream};
@@ -19,16 +19,13 @@ const MOST: usize = 3_000;
 
 /// Builds the trees that the seed adds.
 pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) {
-    let Extent { min, max } = inputs.extent;
-    let width = max.x - min.x + 2.0 * BEYOND_BUILDINGS_M;
-    let depth = max.y - min.y + 2.0 * BEYOND_BUILDINGS_M;
+    let Bounds { low, high } = inputs.extent;
+    let width = high.x - low.x + 2.0 * BEYOND_BUILDINGS_M;
+    let depth = high.y - low.y + 2.0 * BEYOND_BUILDINGS_M;
     let share = inputs.options.planting.clamp(0.0, 1.0);
     let wanted = (width * depth / AREA_OF_TREE_M2 * share) as usize;
     let mut rng = stream(inputs.seed, Purpose::Planting, 0);
-    let Extent {
-        min: low,
-        max: high,
-    } = inputs.extent.grown(BEYOND_BUILDINGS_M);
+    let Bounds { low, high } = inputs.extent.grown(BEYOND_BUILDINGS_M);
     for i in 0..wanted.min(MOST) {
         let x = between(&mut rng, low.x, high.x);
         let p = MapPoint::new(x, between(&mut rng, low.y, high.y));

@@ -8,7 +8,6 @@ use super::planting::BEYOND_BUILDINGS_M;
 use super::tree;
 use crate::generate::inputs::Inputs;
 use crate::generate::layout::clearance::EVERYTHING;
-use crate::generate::layout::extent::Extent;
 use crate::generate::layout::occupied::Occupied;
 use crate::generate::output::Output;
 use crate::generate::seeds::{Purpose, between, chance, element_number, stream};
@@ -25,7 +24,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
     let mut left = MAX_TRIES;
     let extent = inputs.extent;
     for area in inputs.map.areas.iter().filter(|a| is_wood(&a.tags)) {
-        if !extent.meets(&area.polygon, BEYOND_BUILDINGS_M) {
+        if !extent.meets(area.polygon.bounds(), BEYOND_BUILDINGS_M) {
             continue;
         }
         let element = element_number(area.element) | 1 << 63;
@@ -57,7 +56,7 @@ fn is_wood(tags: &Tags) -> bool {
 }
 
 /// The point of the ground where trees grow that is nearest to `p`.
-fn nearby(extent: Extent, p: MapPoint) -> MapPoint {
-    let Extent { min, max } = extent.grown(BEYOND_BUILDINGS_M);
-    MapPoint::new(p.x.clamp(min.x, max.x), p.y.clamp(min.y, max.y))
+fn nearby(extent: Bounds, p: MapPoint) -> MapPoint {
+    let Bounds { low, high } = extent.grown(BEYOND_BUILDINGS_M);
+    MapPoint::new(p.x.clamp(low.x, high.x), p.y.clamp(low.y, high.y))
 }

@@ -18,7 +18,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
             continue;
         };
         let polygon = &area.polygon;
-        if inputs.extent.meets(polygon, GROUND_MARGIN_M) {
+        if inputs.extent.meets(polygon.bounds(), GROUND_MARGIN_M) {
             let name = area.tags.get("name").unwrap_or("area").to_owned();
             out.scene.begin_object(name, SemanticClass::Ground);
             floor(

@@ -25,12 +25,12 @@ const AREA_TOLERANCE: f64 = 1e-3;
 /// Builds the ground and the sea.
 pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
     let rim = inputs.extent.grown(GROUND_MARGIN_M + RIM_M);
-    let (min, max) = (rim.min, rim.max);
+    let Bounds { low, high } = rim;
     let grass = inputs.palette.grass;
     let scene = &mut out.scene;
     scene.begin_object("ground", SemanticClass::Ground);
-    let east = Vector3::x() * (max.x - min.x);
-    let north = Vector3::y() * (max.y - min.y);
+    let east = Vector3::x() * (high.x - low.x);
+    let north = Vector3::y() * (high.y - low.y);
     let repeat = [(east.x / grass.tile) as f32, (north.y / grass.tile) as f32];
     // A robot finds ground everywhere; the quay walls keep it out of the sea.
     let layer = if inputs.sea.is_empty() {
@@ -38,12 +38,9 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
     } else {
         Layer::Solid
     };
-    scene.rectangle(layer, grass.material, at(min, 0.0), east, north, repeat);
-    scene.set_extent(Bounds {
-        low: min,
-        high: max,
-    });
-    solid_beyond(scene, grass, min, max);
+    scene.rectangle(layer, grass.material, at(low, 0.0), east, north, repeat);
+    scene.set_extent(rim);
+    solid_beyond(scene, grass, rim);
     if inputs.sea.is_empty() {
         return;
     }
@@ -52,7 +49,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
         scene.rectangle(
             Layer::Visible,
             grass.material,
-            at(min, 0.0),
+            at(low, 0.0),
             east,
             north,
             repeat,
@@ -70,10 +67,10 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
 }
 
 /// Solid ground around what is drawn, so that nothing falls off.
-fn solid_beyond(scene: &mut SceneBuilder, grass: Surface, min: MapPoint, max: MapPoint) {
+fn solid_beyond(scene: &mut SceneBuilder, grass: Surface, drawn: Bounds) {
     let drawn = Rectangle {
-        low: [min.x, min.y],
-        high: [max.x, max.y],
+        low: [drawn.low.x, drawn.low.y],
+        high: [drawn.high.x, drawn.high.y],
     };
     for Rectangle { low, high } in beyond(drawn) {
         let east = Vector3::x() * (high[0] - low[0]);

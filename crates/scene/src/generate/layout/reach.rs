@@ -8,10 +8,9 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
-use openbench_geometry::Segment;
 use openbench_geometry::grid::{GridGeometry, squared_distances};
+use openbench_geometry::{Bounds, Segment};
 
-use super::extent::Extent;
 use crate::generate::doors::doorway::Doorway;
 
 /// Side of a cell, metres, unless the map is so large that cells must be larger.
@@ -36,11 +35,8 @@ pub(super) struct Reach {
 
 impl Reach {
     /// The ground between `walls`.
-    pub fn new(extent: Extent, walls: impl Iterator<Item = Segment>, doorways: &[Doorway]) -> Self {
-        let Extent {
-            min: low,
-            max: high,
-        } = extent.grown(MARGIN_M);
+    pub fn new(extent: Bounds, walls: impl Iterator<Item = Segment>, doorways: &[Doorway]) -> Self {
+        let Bounds { low, high } = extent.grown(MARGIN_M);
         let longer_side = (high.x - low.x).max(high.y - low.y);
         let cell = CELL_M.max(longer_side / (MAX_CELLS - 1) as f64);
         let grid = GridGeometry::covering(low, high, cell, MAX_CELLS);

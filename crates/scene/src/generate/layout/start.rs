@@ -3,11 +3,10 @@
 //! street, in front of a door.
 
 use openbench_core::{MapPoint, Pose2};
-use openbench_geometry::{Segment, segments};
+use openbench_geometry::{Bounds, Segment, segments};
 use openbench_osm::{OsmMap, Road};
 
 use super::clearance::{BARRIER, BUILDING, Clearance, WATER};
-use super::extent::Extent;
 use super::reach::Reach;
 use crate::generate::doors::doorway::Doorway;
 use crate::generate::error::GenerateError;
@@ -33,7 +32,7 @@ const BEFORE_DOOR_M: f64 = 2.5;
 pub(crate) fn choose(
     map: &OsmMap,
     clearance: &Clearance,
-    extent: Extent,
+    extent: Bounds,
     doorways: &[Doorway],
     walls: impl Iterator<Item = Segment>,
 ) -> Result<Pose2, GenerateError> {

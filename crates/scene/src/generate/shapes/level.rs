@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::line::parallel;
 
-use super::rings::parallel;
 use super::solids::{facet, fan};
 use super::surface::{Surface, at};
 use crate::scene::{Corner, Layer, SceneBuilder};

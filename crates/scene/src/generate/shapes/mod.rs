@@ -6,7 +6,7 @@
 //! | `upright` | vertical rectangles over a line: walls, fitted images, fences |
 //! | `solids` | planar polygons in space, boxes, frustums |
 //! | `level` | level rectangles, filled outlines, bands along lines |
-//! | `rings` | lines and rings moved sideways, and the area of a ring |
+//! | `rings` | rings moved inwards, and the area of a ring |
 
 mod level;
 pub(super) mod rings;

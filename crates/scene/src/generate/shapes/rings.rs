@@ -1,44 +1,8 @@
-//! Lines and closed rings moved sideways, and the area that a ring encloses.
+//! Closed rings moved inwards, and the area that a ring encloses.
 
 use openbench_core::MapPoint;
+use openbench_geometry::line::parallel;
 use openbench_geometry::turn;
-
-/// Unit normal of a line, to its left.
-#[derive(Clone, Copy)]
-struct Normal {
-    x: f64,
-    y: f64,
-}
-
-impl Normal {
-    fn of(a: MapPoint, b: MapPoint) -> Self {
-        let length = a.distance(b).max(1e-9);
-        Self {
-            x: -(b.y - a.y) / length,
-            y: (b.x - a.x) / length,
-        }
-    }
-}
-
-/// The line moved `offset` metres to its left (right if negative), mitred. Bends sharper than about
-/// 120 degrees are cut.
-pub(crate) fn parallel(line: &[MapPoint], offset: f64) -> Vec<MapPoint> {
-    let n = line.len();
-    (0..n)
-        .map(|i| {
-            let before = (i > 0).then(|| Normal::of(line[i - 1], line[i]));
-            let after = (i + 1 < n).then(|| Normal::of(line[i], line[i + 1]));
-            let none = Normal { x: 0.0, y: 1.0 };
-            let a = before.or(after).unwrap_or(none);
-            let b = after.or(before).unwrap_or(none);
-            let scale = offset / (1.0 + a.x * b.x + a.y * b.y).max(0.5);
-            MapPoint::new(
-                line[i].x + (a.x + b.x) * scale,
-                line[i].y + (a.y + b.y) * scale,
-            )
-        })
-        .collect()
-}
 
 /// A closed ring moved `inset` metres to its left: inwards for an outline, outwards for a hole seen
 /// from the building. `None` if an edge would be reversed.
@@ -75,12 +39,5 @@ mod tests {
         let smaller = inset(&square, 1.0).unwrap();
         assert!((signed_area(&smaller) - 4.0).abs() < 1e-9);
         assert_eq!(inset(&square, 2.5), None);
-    }
-
-    #[test]
-    fn a_bend_is_mitred() {
-        let line = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0)].map(|(x, y)| MapPoint::new(x, y));
-        let left = parallel(&line, 1.0);
-        assert!(left[1].distance(MapPoint::new(3.0, 1.0)) < 1e-9);
     }
 }

@@ -1,6 +1,7 @@
 //! Carriageways, pavements and paths.
 
 use openbench_core::MapPoint;
+use openbench_geometry::line::parallel;
 use openbench_osm::{Road, Tags};
 
 use super::profile::{KERB_WIDTH_M, Profile, profile};
@@ -10,7 +11,6 @@ use crate::generate::ground::levels::{
 use crate::generate::inputs::Inputs;
 use crate::generate::materials::palette::Palette;
 use crate::generate::output::Output;
-use crate::generate::shapes::rings::parallel;
 use crate::generate::shapes::{Surface, band};
 use crate::material::SemanticClass;
 use crate::scene::SceneBuilder;

@@ -7,10 +7,9 @@
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
-use openbench_geometry::{Polygon, segments};
+use openbench_geometry::{Bounds, Polygon, segments};
 use openbench_osm::{OsmData, OsmMap};
 
-use crate::generate::layout::extent::Extent;
 use crate::generate::shapes::rings::signed_area;
 
 /// Height of the sea, metres.
@@ -22,7 +21,7 @@ const FINEST_M: f64 = 2.0;
 const MAX_CORNERS: usize = 1_500;
 
 /// The sea within `extent`.
-pub(crate) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> {
+pub(crate) fn sea(data: &OsmData, map: &OsmMap, extent: Bounds) -> Vec<Polygon> {
     let (mut shores, mut islands) = (Vec::new(), Vec::new());
     for line in coastlines(data) {
         // Reversed, so that the sea is on the left, as an area is of its outline.
@@ -112,7 +111,7 @@ fn coastlines(data: &OsmData) -> Vec<Vec<i64>> {
 }
 
 /// The parts of a line within the rectangle that begin and end on its edge.
-fn clipped(line: &[MapPoint], extent: Extent) -> Vec<Vec<MapPoint>> {
+fn clipped(line: &[MapPoint], extent: Bounds) -> Vec<Vec<MapPoint>> {
     let (mut pieces, mut piece): (Vec<Vec<MapPoint>>, Option<Vec<MapPoint>>) = (Vec::new(), None);
     for segment in segments(line) {
         let Some(inside) = extent.clip(segment) else {
@@ -132,7 +131,7 @@ fn clipped(line: &[MapPoint], extent: Extent) -> Vec<Vec<MapPoint>> {
 }
 
 /// Joins pieces along the edge of the rectangle, counter-clockwise.
-fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Extent) -> Vec<Vec<MapPoint>> {
+fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Bounds) -> Vec<Vec<MapPoint>> {
     let mut rings = Vec::new();
     while let Some(mut ring) = pieces.pop() {
         let begin = run(ring[0], extent);
@@ -165,9 +164,9 @@ fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Extent) -> Vec<Vec<MapPoint>> 
 
 /// Position of a point on the edge of the rectangle, in sides: 0 to 4, counter-clockwise from the
 /// south-west.
-fn run(p: MapPoint, extent: Extent) -> f64 {
-    let (width, depth) = (extent.max.x - extent.min.x, extent.max.y - extent.min.y);
-    let (x, y) = ((p.x - extent.min.x) / width, (p.y - extent.min.y) / depth);
+fn run(p: MapPoint, extent: Bounds) -> f64 {
+    let (width, depth) = (extent.high.x - extent.low.x, extent.high.y - extent.low.y);
+    let (x, y) = ((p.x - extent.low.x) / width, (p.y - extent.low.y) / depth);
     // For each side: distance from it, and the position if the point is on it.
     let sides = [(y, x), (1.0 - x, 1.0 + y), (1.0 - y, 3.0 - x), (x, 4.0 - y)];
     let nearest = sides
@@ -177,7 +176,7 @@ fn run(p: MapPoint, extent: Extent) -> f64 {
 }
 
 /// The rectangle's corners from the position `from` on for `length` sides.
-fn corners_between(from: f64, length: f64, extent: Extent) -> Vec<MapPoint> {
+fn corners_between(from: f64, length: f64, extent: Bounds) -> Vec<MapPoint> {
     let corners = extent.corners();
     let first = from.floor() as usize + 1;
     (first..first + 4)
@@ -190,9 +189,9 @@ fn corners_between(from: f64, length: f64, extent: Extent) -> Vec<MapPoint> {
 mod tests {
     use super::*;
 
-    const SQUARE: Extent = Extent {
-        min: MapPoint { x: 0.0, y: 0.0 },
-        max: MapPoint { x: 10.0, y: 10.0 },
+    const SQUARE: Bounds = Bounds {
+        low: MapPoint { x: 0.0, y: 0.0 },
+        high: MapPoint { x: 10.0, y: 10.0 },
     };
 
     fn points(list: &[(f64, f64)]) -> Vec<MapPoint> {

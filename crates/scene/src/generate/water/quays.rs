@@ -5,7 +5,8 @@
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
-use openbench_geometry::{Polygon, Segment, segments};
+use openbench_geometry::line::parallel;
+use openbench_geometry::{Bounds, Polygon, Segment, segments};
 use openbench_osm::{OsmMap, Road};
 
 use super::coast::SEA_LEVEL_M;
@@ -13,10 +14,9 @@ use super::open_water::is_water;
 use crate::generate::barriers::gates::{GATE_MARGIN_M, between_gates};
 use crate::generate::inputs::Inputs;
 use crate::generate::layout::clearance::{Clearance, WATER};
-use crate::generate::layout::extent::{Extent, GROUND_MARGIN_M};
+use crate::generate::layout::extent::GROUND_MARGIN_M;
 use crate::generate::layout::lanes::Lanes;
 use crate::generate::output::Output;
-use crate::generate::shapes::rings::parallel;
 use crate::generate::shapes::{Block, cuboid};
 use crate::generate::streets::profile::{Profile, profile};
 use crate::material::SemanticClass;
@@ -43,7 +43,7 @@ pub(crate) fn lines(
     lanes: &Lanes,
     sea: &[Polygon],
     clearance: &Clearance,
-    extent: Extent,
+    extent: Bounds,
 ) -> Vec<Segment> {
     let is_wet = |p: MapPoint| !clearance.is_free_at(p, 0.0, WATER);
     let shores = shores(map, sea, extent, &is_wet);
@@ -57,7 +57,7 @@ pub(crate) fn lines(
 fn shores(
     map: &OsmMap,
     sea: &[Polygon],
-    extent: Extent,
+    extent: Bounds,
     is_wet: &impl Fn(MapPoint) -> bool,
 ) -> Vec<Segment> {
     let world = extent.grown(GROUND_MARGIN_M);
@@ -66,7 +66,7 @@ fn shores(
         .iter()
         .filter(|a| is_water(&a.tags))
         .map(|a| &a.polygon);
-    let near = lakes.filter(|lake| extent.meets(lake, GROUND_MARGIN_M));
+    let near = lakes.filter(|lake| extent.meets(lake.bounds(), GROUND_MARGIN_M));
     let sides = sea.iter().chain(near).flat_map(Polygon::sides);
     // There is no shore where the water continues, in another area or beyond the world.
     let is_shore = |piece: &Segment| {
@@ -88,7 +88,7 @@ fn shores(
 }
 
 /// The edges of roads where they lead over water, and lines across the roads that end there.
-fn edges(map: &OsmMap, extent: Extent, is_wet: &impl Fn(MapPoint) -> bool) -> Vec<Segment> {
+fn edges(map: &OsmMap, extent: Bounds, is_wet: &impl Fn(MapPoint) -> bool) -> Vec<Segment> {
     let arms = arms_of_nodes(map);
     let is_dead_end = |node: Option<&i64>| node.is_some_and(|n| arms.get(n) == Some(&1));
     let mut found = Vec::new();
