@@ -206,7 +206,8 @@ mod tests {
             Layer::Visible,
             wall,
             Point3::new(8.0, -2.03, -1.51),
-            (u, v),
+            u,
+            v,
             [1.0; 2],
         );
         let texels = [[90, 90, 90, 255], [0, 0, 0, 0]].concat();
@@ -224,7 +225,8 @@ mod tests {
             Layer::Visible,
             fence,
             Point3::new(4.0, -1.52, -0.77),
-            (u / 2.0, v / 3.0),
+            u / 2.0,
+            v / 3.0,
             [8.0, 1.0],
         );
         let both = Both::new(RayCaster::new(Arc::new(builder.build())));

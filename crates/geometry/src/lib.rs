@@ -5,6 +5,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | `segment` | [`Segment`]: lengths, nearest points, crossings |
+//! | [`line`] | lines through points: lengths, parallels |
 //! | `turn` | [`turn`]: on which side of a line a point is |
 //! | `bounds` | [`Bounds`]: axis-aligned boxes |
 //! | [`polygon`] | [`Polygon`]: outlines with holes |
@@ -12,6 +13,7 @@
 
 mod bounds;
 pub mod grid;
+pub mod line;
 pub mod polygon;
 mod segment;
 mod turn;

@@ -33,5 +33,5 @@ pub use free_space::FreeSpace;
 pub use import::{ImportError, ImportRequest, import_world};
 pub use material::{Material, MaterialId, SemanticClass, Texture, TextureId};
 pub use raycast::{RayCaster, Snapshot, Surface};
-pub use scene::{Door, Object, Scene, SceneBuilder, SolidMesh, Sun, Triangle, Vertex};
+pub use scene::{Corner, Door, Object, Scene, SceneBuilder, SolidMesh, Sun, Triangle, Vertex};
 pub use world::World;

@@ -95,12 +95,12 @@ pub fn hang_plate(builder: &mut SceneBuilder, face: MaterialId, pose: &Pose3, ou
         (edge, Vector3::new(-x, out, -z), -right, -deep),
     ];
     for (material, corner, u, v) in sides {
-        let turned = (pose.rotation * u, pose.rotation * v);
         builder.rectangle(
             Layer::Visible,
             material,
             pose * Point3::from(corner),
-            turned,
+            pose.rotation * u,
+            pose.rotation * v,
             [1.0; 2],
         );
     }

@@ -7,8 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::bvh::{
-    Beam, CastAmong, Figure, Hit, LANES, Lane, MISS, Movers, PacketHits, RayPacket, TriangleBvh,
-    widest,
+    Beam, CastAmong, Hit, LANES, Lane, MISS, Movers, PacketHits, RayPacket, TriangleBvh, widest,
 };
 use crate::material::{Material, Texture};
 use crate::scene::{Scene, Triangle};
@@ -18,7 +17,7 @@ use crate::scene::{Scene, Triangle};
 pub struct RayCaster {
     scene: Arc<Scene>,
     visible: Arc<TriangleBvh>,
-    figures: Arc<[Figure]>,
+    figures: Arc<[TriangleBvh]>,
     solid: Arc<TriangleBvh>,
     surfaces: Arc<[Surface]>,
     /// Texture coordinates of each triangle's corners.
@@ -123,7 +122,7 @@ impl RayCaster {
     }
 
     /// The trees of the scene's figures.
-    pub fn figures(&self) -> &[Figure] {
+    pub fn figures(&self) -> &[TriangleBvh] {
         &self.figures
     }
 
@@ -185,7 +184,7 @@ pub struct Snapshot<'a> {
 
 impl Snapshot<'_> {
     /// The first hit of each ray of a packet. `lags` are the times at which the rays were cast,
-    /// relative to the instant of the movers: seconds from -[`SWEEP`](crate::bvh::SWEEP) to 0.
+    /// relative to the instant of the movers: seconds from -[`SWEEP_S`](crate::bvh::SWEEP_S) to 0.
     #[inline]
     pub fn cast_packet(&self, rays: &RayPacket, lags: &Lane) -> PacketHits {
         let mut hits = self.caster.cast_packet(rays);

@@ -5,8 +5,13 @@ use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::{Address, MapPoint};
+use openbench_geometry::Bounds;
 
 use crate::material::{Material, MaterialId, SemanticClass, Texture, TextureId};
+
+/// Corners farther away than this are broken data, metres. Positions are in single precision,
+/// which has steps of 6 cm there.
+const FARTHEST_M: f64 = 1e6;
 
 /// A corner of a visible triangle: position in `map` and texture coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,6 +20,33 @@ pub struct Vertex {
     pub position: [f32; 3],
     /// Texture coordinates.
     pub uv: [f32; 2],
+}
+
+/// A corner of a mesh that is added to a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Corner {
+    /// Position in `map`, or in the frame of a figure, metres.
+    pub position: Point3<f64>,
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+}
+
+impl Corner {
+    /// The corner at `position` with these texture coordinates.
+    pub const fn new(position: Point3<f64>, uv: [f32; 2]) -> Self {
+        Self { position, uv }
+    }
+
+    /// Whether it can be drawn: its numbers are finite, and it is no more than 1,000 km away.
+    fn is_usable(&self) -> bool {
+        let near = |c: &f64| c.is_finite() && c.abs() < FARTHEST_M;
+        self.position.iter().all(near) && self.uv.iter().all(|c| c.is_finite())
+    }
+
+    fn single_position(&self) -> [f32; 3] {
+        let p = &self.position;
+        [p.x as f32, p.y as f32, p.z as f32]
+    }
 }
 
 /// A visible triangle, counter-clockwise seen from outside.
@@ -111,9 +143,9 @@ pub struct Scene {
     pub doors: Vec<Door>,
     /// Light.
     pub sun: Sun,
-    /// South-western and north-eastern corner of the ground that the world covers, where that is
-    /// known. There is ground beyond it, but no path is searched there.
-    pub extent: Option<[MapPoint; 2]>,
+    /// The ground that the world covers, where that is known. There is ground beyond it, but no
+    /// path is searched there.
+    pub extent: Option<Bounds>,
 }
 
 impl Scene {
@@ -197,12 +229,12 @@ pub enum Layer {
 /// let brick = builder.material(Material::plain(SemanticClass::Building, [0.7, 0.4, 0.3]));
 ///
 /// let corner = Point3::new(-10.0, -10.0, 0.0);
-/// let sides = (Vector3::x() * 20.0, Vector3::y() * 20.0);
-/// builder.rectangle(Layer::Both, grass, corner, sides, [1.0; 2]);
+/// let (east, north) = (Vector3::x() * 20.0, Vector3::y() * 20.0);
+/// builder.rectangle(Layer::Both, grass, corner, east, north, [1.0; 2]);
 ///
-/// builder.object("house", SemanticClass::Building);
-/// let sides = (Vector3::x() * 6.0, Vector3::z() * 3.0);
-/// builder.rectangle(Layer::Both, brick, Point3::new(-3.0, 4.0, 0.0), sides, [3.0, 1.5]);
+/// builder.begin_object("house", SemanticClass::Building);
+/// let (corner, along, up) = (Point3::new(-3.0, 4.0, 0.0), Vector3::x() * 6.0, Vector3::z() * 3.0);
+/// builder.rectangle(Layer::Both, brick, corner, along, up, [3.0, 1.5]);
 ///
 /// let scene = builder.build();
 /// assert_eq!(scene.triangles.len(), 4);
@@ -227,7 +259,7 @@ impl SceneBuilder {
     }
 
     /// Begins an object: everything that is added until the next one begins belongs to it.
-    pub fn object(&mut self, name: impl Into<Cow<'static, str>>, class: SemanticClass) {
+    pub fn begin_object(&mut self, name: impl Into<Cow<'static, str>>, class: SemanticClass) {
         self.scene.objects.push(Object {
             name: name.into(),
             class,
@@ -246,59 +278,60 @@ impl SceneBuilder {
         MaterialId(self.scene.materials.len() as u32 - 1)
     }
 
-    /// Adds a mesh: corners with texture coordinates, and triangles as indices into them. Triangles
-    /// with a missing corner or a non-finite number are left out; returns how many.
+    /// Adds a mesh: corners, and triangles as indices into them. Triangles with a corner that is
+    /// missing, not finite or more than 1,000 km away are left out; returns how many.
     pub fn mesh(
         &mut self,
         layer: Layer,
         material: MaterialId,
-        corners: &[(Point3<f64>, [f32; 2])],
+        corners: &[Corner],
         triangles: &[[u32; 3]],
     ) -> usize {
-        let usable = |t: &&[u32; 3]| {
-            t.iter().all(|&i| {
-                corners.get(i as usize).is_some_and(|(p, uv)| {
-                    p.iter().all(|c| c.is_finite() && c.abs() < 1e6)
-                        && uv.iter().all(|c| c.is_finite())
-                })
-            })
-        };
-        let kept: Vec<[u32; 3]> = triangles.iter().filter(usable).copied().collect();
-        let position = |p: &Point3<f64>| [p.x as f32, p.y as f32, p.z as f32];
+        let is_usable = |i: &u32| corners.get(*i as usize).is_some_and(Corner::is_usable);
+        let kept: Vec<[u32; 3]> = triangles
+            .iter()
+            .filter(|triangle| triangle.iter().all(is_usable))
+            .copied()
+            .collect();
         if layer != Layer::Solid {
-            let base = self.scene.vertices.len() as u32;
-            self.scene
-                .vertices
-                .extend(corners.iter().map(|(p, uv)| Vertex {
-                    position: position(p),
-                    uv: *uv,
-                }));
-            self.scene.triangles.extend(kept.iter().map(|t| Triangle {
-                corners: t.map(|i| base + i),
-                material,
-            }));
-            self.scene
-                .object_numbers
-                .resize(self.scene.triangles.len(), self.scene.objects.len() as u32);
+            self.add_visible(material, corners, &kept);
         }
         if layer != Layer::Visible {
-            let base = self.scene.solid.positions.len() as u32;
-            self.scene
-                .solid
-                .positions
-                .extend(corners.iter().map(|(p, _)| position(p)));
-            self.scene
-                .solid
-                .triangles
-                .extend(kept.iter().map(|t| t.map(|i| base + i)));
-            let class = self
-                .scene
-                .materials
-                .get(material.0 as usize)
-                .map_or(SemanticClass::Other, |m| m.class);
-            self.scene.solid.classes.extend(kept.iter().map(|_| class));
+            self.add_solid(material, corners, &kept);
         }
         triangles.len() - kept.len()
+    }
+
+    fn add_visible(&mut self, material: MaterialId, corners: &[Corner], triangles: &[[u32; 3]]) {
+        let scene = &mut self.scene;
+        let base = scene.vertices.len() as u32;
+        scene.vertices.extend(corners.iter().map(|corner| Vertex {
+            position: corner.single_position(),
+            uv: corner.uv,
+        }));
+        scene.triangles.extend(triangles.iter().map(|t| Triangle {
+            corners: t.map(|i| base + i),
+            material,
+        }));
+        let object = scene.objects.len() as u32;
+        scene.object_numbers.resize(scene.triangles.len(), object);
+    }
+
+    fn add_solid(&mut self, material: MaterialId, corners: &[Corner], triangles: &[[u32; 3]]) {
+        let class = self
+            .scene
+            .materials
+            .get(material.0 as usize)
+            .map_or(SemanticClass::Other, |m| m.class);
+        let solid = &mut self.scene.solid;
+        let base = solid.positions.len() as u32;
+        solid
+            .positions
+            .extend(corners.iter().map(Corner::single_position));
+        solid
+            .triangles
+            .extend(triangles.iter().map(|t| t.map(|i| base + i)));
+        solid.classes.extend(triangles.iter().map(|_| class));
     }
 
     /// Adds a rectangle with corners `origin`, `origin + u`, `origin + u + v`, `origin + v`,
@@ -309,14 +342,15 @@ impl SceneBuilder {
         layer: Layer,
         material: MaterialId,
         origin: Point3<f64>,
-        (u, v): (Vector3<f64>, Vector3<f64>),
+        u: Vector3<f64>,
+        v: Vector3<f64>,
         repeat: [f32; 2],
     ) {
         let corners = [
-            (origin, [0.0, 0.0]),
-            (origin + u, [repeat[0], 0.0]),
-            (origin + u + v, repeat),
-            (origin + v, [0.0, repeat[1]]),
+            Corner::new(origin, [0.0, 0.0]),
+            Corner::new(origin + u, [repeat[0], 0.0]),
+            Corner::new(origin + u + v, repeat),
+            Corner::new(origin + v, [0.0, repeat[1]]),
         ];
         self.mesh(layer, material, &corners, &[[0, 1, 2], [0, 2, 3]]);
     }
@@ -327,13 +361,13 @@ impl SceneBuilder {
     }
 
     /// Sets the light.
-    pub fn sun(&mut self, sun: Sun) {
+    pub fn set_sun(&mut self, sun: Sun) {
         self.scene.sun = sun;
     }
 
     /// Sets the ground that the world covers.
-    pub fn extent(&mut self, low: MapPoint, high: MapPoint) {
-        self.scene.extent = Some([low, high]);
+    pub fn set_extent(&mut self, extent: Bounds) {
+        self.scene.extent = Some(extent);
     }
 
     /// The scene.

@@ -32,22 +32,43 @@ fn thinned(ring: &[MapPoint]) -> Vec<MapPoint> {
     ring.iter().step_by(step).copied().collect()
 }
 
+/// A line from a corner of a ring to a corner of a hole.
+struct Bridge {
+    /// Metres.
+    length: f64,
+    /// Numbers of the corners.
+    in_ring: usize,
+    in_hole: usize,
+}
+
+/// Bridges are tested from the shortest on, this many at most. If all of these cross something,
+/// the rings cross each other, and the shortest one is taken.
+const MAX_TESTED: usize = 64;
+
 /// The ring with the hole joined to it along the shortest bridge that crosses neither.
 fn bridged(ring: &[MapPoint], hole: &[MapPoint]) -> Vec<MapPoint> {
-    let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(ring.len() * hole.len());
-    for (i, p) in ring.iter().enumerate() {
-        pairs.extend(hole.iter().enumerate().map(|(j, q)| (p.distance(*q), i, j)));
+    let mut bridges: Vec<Bridge> = Vec::with_capacity(ring.len() * hole.len());
+    for (in_ring, p) in ring.iter().enumerate() {
+        bridges.extend(hole.iter().enumerate().map(|(in_hole, q)| Bridge {
+            length: p.distance(*q),
+            in_ring,
+            in_hole,
+        }));
     }
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let clear = |&&(_, i, j): &&(f64, usize, usize)| {
-        !crosses(ring, ring[i], hole[j]) && !crosses(hole, ring[i], hole[j])
+    bridges.sort_by(|a, b| a.length.total_cmp(&b.length));
+    let is_clear = |bridge: &&Bridge| {
+        let (from, to) = (ring[bridge.in_ring], hole[bridge.in_hole]);
+        !crosses(ring, from, to) && !crosses(hole, from, to)
     };
-    let Some(&(_, i, j)) = pairs.iter().take(64).find(clear).or(pairs.first()) else {
+    let clear = bridges.iter().take(MAX_TESTED).find(is_clear);
+    let Some(bridge) = clear.or(bridges.first()) else {
         return ring.to_vec();
     };
-    let mut joined = ring[..=i].to_vec();
-    joined.extend(hole.iter().cycle().skip(j).take(hole.len() + 1));
-    joined.extend_from_slice(&ring[i..]);
+    // Round the ring to the bridge, over it, once round the hole, and back.
+    let around_hole = hole.iter().cycle().skip(bridge.in_hole);
+    let mut joined = ring[..=bridge.in_ring].to_vec();
+    joined.extend(around_hole.take(hole.len() + 1));
+    joined.extend_from_slice(&ring[bridge.in_ring..]);
     joined
 }
 

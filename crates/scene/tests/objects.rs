@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use openbench_scene::generate::{builtin, car_figure};
-use openbench_scene::{RayCaster, SceneBuilder, SemanticClass, World};
+use openbench_scene::{Corner, RayCaster, SceneBuilder, SemanticClass, World};
 
 fn small() -> World {
     builtin("small", 1).unwrap().unwrap()
@@ -70,11 +70,11 @@ fn triangles_before_the_first_object_belong_to_none() {
         SemanticClass::Other,
         [0.5; 3],
     ));
-    let corner = |x: f64| (nalgebra::Point3::new(x, x * x, 0.0), [0.0; 2]);
+    let corner = |x: f64| Corner::new(nalgebra::Point3::new(x, x * x, 0.0), [0.0; 2]);
     let corners = [corner(0.0), corner(1.0), corner(2.0)];
     let layer = openbench_scene::scene::Layer::Both;
     builder.mesh(layer, grey, &corners, &[[0, 1, 2]]);
-    builder.object("thing", SemanticClass::Other);
+    builder.begin_object("thing", SemanticClass::Other);
     builder.mesh(layer, grey, &corners, &[[0, 1, 2], [0, 1, 7], [0, 2, 1]]);
     let scene = builder.build();
     assert_eq!(

@@ -15,6 +15,8 @@ pub enum SimError {
     #[error("the world's solid triangles cannot be simulated")]
     Mesh(#[source] TriMeshBuilderError),
     /// More people or cars than the stage has figures for.
-    #[error("the stage has no figures for so many people and cars; make it with `Stage::peopled`")]
+    #[error(
+        "the stage has no figures for so many people and cars; make it with `Stage::with_figures`"
+    )]
     NoFigures,
 }

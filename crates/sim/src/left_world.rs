@@ -1,8 +1,7 @@
 //! Whether the robot has left its world.
 
 use openbench_core::{MapPoint, Pose3};
-
-use crate::bounds::Bounds;
+use openbench_geometry::Bounds;
 
 /// Why the robot can no longer take part in an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -30,7 +29,7 @@ const TIPPED_COSINE: f64 = 0.5;
 /// height of the ground at its start, metres.
 pub(crate) fn left_world(base_link: &Pose3, bounds: &Bounds, ground: f64) -> Option<LeftWorld> {
     let [x, y, z] = base_link.translation.vector.into();
-    if !(z.is_finite() && bounds.hold(MapPoint::new(x, y), OUTSIDE_M)) {
+    if !(z.is_finite() && bounds.holds(MapPoint::new(x, y), OUTSIDE_M)) {
         return Some(LeftWorld::OutOfBounds);
     }
     if (base_link.rotation * nalgebra::Vector3::z()).z < TIPPED_COSINE {

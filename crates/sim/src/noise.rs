@@ -48,16 +48,25 @@ impl Noise {
         (-2.0 * libm::log(u)).sqrt() * libm::cos(std::f64::consts::TAU * v)
     }
 
-    /// Normal with mean 0 and standard deviation 1, from a table, and uniform in [0, 1), both from
-    /// one draw: for many samples of small weight.
+    /// Two numbers from one draw: for many samples of small weight.
     #[inline(always)]
-    pub(crate) fn quick_normal_and_uniform(&mut self) -> (f32, f32) {
+    pub(crate) fn quick(&mut self) -> QuickDraw {
         let bits = self.generator.next_u32();
-        (
-            self.quantiles[(bits >> 20) as usize],
-            (bits & 0xf_ffff) as f32 / 1_048_576.0,
-        )
+        QuickDraw {
+            // The highest 12 bits number the quantiles, and the other 20 are the uniform number.
+            normal: self.quantiles[(bits >> 20) as usize],
+            uniform: (bits & 0xf_ffff) as f32 / 1_048_576.0,
+        }
     }
+}
+
+/// Two random numbers from one draw of the generator.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct QuickDraw {
+    /// Normal with mean 0 and standard deviation 1, from a table.
+    pub(crate) normal: f32,
+    /// Uniform in [0, 1).
+    pub(crate) uniform: f32,
 }
 
 /// Quantiles of the normal distribution at the middles of equal shares, scaled to a standard
@@ -102,8 +111,11 @@ mod tests {
         };
         let exact = moments((0..50_000).map(|_| noise.normal()).collect());
         let (quick, even): (Vec<f64>, Vec<f64>) = (0..50_000)
-            .map(|_| noise.quick_normal_and_uniform())
-            .map(|(n, u)| (f64::from(n), (f64::from(u) - 0.5) * 12.0_f64.sqrt()))
+            .map(|_| noise.quick())
+            .map(|drawn| {
+                let even = (f64::from(drawn.uniform) - 0.5) * 12.0_f64.sqrt();
+                (f64::from(drawn.normal), even)
+            })
             .unzip();
         let (quick, even) = (moments(quick), moments(even));
         for (mean, deviation) in [exact, quick, even] {

@@ -24,7 +24,7 @@ use crate::noise::Noise;
 use crate::physics::Physics;
 use crate::stage::Stage;
 use crate::traffic::{
-    Mover, MoverKind, PERSON_RADIUS, RobotState, RobotWatch, Traffic, TrafficPlan,
+    Mover, MoverKind, PERSON_RADIUS_M, RobotState, RobotWatch, Traffic, TrafficPlan,
 };
 
 /// A robot whose wheels' rims are slower than this does not drive, m/s.
@@ -107,8 +107,8 @@ impl Simulator {
     /// Puts people and cars into the world.
     ///
     /// # Errors
-    /// [`SimError::NoFigures`] if the stage was made for fewer, see [`Stage::peopled`].
-    pub fn among(mut self, traffic: Traffic) -> Result<Self, SimError> {
+    /// [`SimError::NoFigures`] if the stage was made for fewer, see [`Stage::with_figures`].
+    pub fn with_traffic(mut self, traffic: Traffic) -> Result<Self, SimError> {
         if !self.stage.gallery.suffices(traffic.placed()) {
             return Err(SimError::NoFigures);
         }
@@ -124,16 +124,16 @@ impl Simulator {
     /// there is room for them around the robot.
     ///
     /// # Errors
-    /// As [`among`](Self::among).
-    pub fn among_traffic_of(
+    /// As [`with_traffic`](Self::with_traffic).
+    pub fn with_traffic_on(
         self,
         map: &OsmMap,
         plan: TrafficPlan,
         seed: u64,
     ) -> Result<Self, SimError> {
         let start = self.robot_state().position;
-        let space = FreeSpace::new(self.stage.caster(), start, PERSON_RADIUS);
-        self.among(Traffic::new(
+        let space = FreeSpace::new(self.stage.caster(), start, PERSON_RADIUS_M);
+        self.with_traffic(Traffic::new(
             map,
             |p| space.is_reachable(p),
             plan,
@@ -220,7 +220,7 @@ impl Simulator {
     }
 
     /// Hash over all states and sensor data so far.
-    pub fn chain(&self) -> [u8; 32] {
+    pub fn hash_chain(&self) -> [u8; 32] {
         self.chain
     }
 

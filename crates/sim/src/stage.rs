@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use openbench_geometry::Bounds;
 use openbench_scene::{Movers, RayCaster, Scene, Snapshot};
 
-use crate::bounds::Bounds;
+use crate::bounds::bounds_of;
 use crate::error::SimError;
 use crate::render::Renderer;
 use crate::solids::Solids;
@@ -29,7 +30,7 @@ impl Stage {
         let solids = Solids::new(caster.scene())?;
         Ok(Self {
             renderer: Arc::new(Renderer::new(caster.clone())),
-            bounds: Bounds::of(caster.scene()),
+            bounds: bounds_of(caster.scene()),
             solids,
             caster,
             gallery: Arc::default(),
@@ -40,7 +41,7 @@ impl Stage {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn peopled(mut scene: Scene, plan: TrafficPlan) -> Result<Self, SimError> {
+    pub fn with_figures(mut scene: Scene, plan: TrafficPlan) -> Result<Self, SimError> {
         let gallery = Arc::new(Gallery::add(&mut scene, plan));
         Ok(Self {
             gallery,

@@ -18,14 +18,16 @@ fn stage() -> Stage {
         Layer::Both,
         ground,
         Point3::new(-20.0, -20.0, 0.1),
-        (x * 40.0, y * 40.0),
+        x * 40.0,
+        y * 40.0,
         [1.0; 2],
     );
     builder.rectangle(
         Layer::Both,
         wall,
         Point3::new(3.0, -5.0, 0.1),
-        (y * 10.0, z * 2.0),
+        y * 10.0,
+        z * 2.0,
         [1.0; 2],
     );
     Stage::new(RayCaster::new(Arc::new(builder.build()))).unwrap()
@@ -188,28 +190,32 @@ fn kerb(height: f64) -> Simulator {
         Layer::Both,
         ground,
         Point3::new(-20.0, -20.0, 0.0),
-        (x * 40.0, y * 40.0),
+        x * 40.0,
+        y * 40.0,
         [1.0; 2],
     );
     builder.rectangle(
         Layer::Both,
         stone,
         Point3::new(1.0, -5.0, 0.0),
-        (y * 10.0, z * height),
+        y * 10.0,
+        z * height,
         [1.0; 2],
     );
     builder.rectangle(
         Layer::Both,
         stone,
         Point3::new(1.0, -5.0, height),
-        (x * 0.14, y * 10.0),
+        x * 0.14,
+        y * 10.0,
         [1.0; 2],
     );
     builder.rectangle(
         Layer::Both,
         stone,
         Point3::new(1.14, -5.0, 0.0),
-        (y * 10.0, z * height),
+        y * 10.0,
+        z * height,
         [1.0; 2],
     );
     let stage = Stage::new(RayCaster::new(Arc::new(builder.build()))).unwrap();
@@ -259,7 +265,7 @@ fn the_same_seed_gives_the_same_chain_and_another_does_not() {
     let chain = |seed| {
         let mut simulator = simulator(0.5, seed);
         drive(&mut simulator, Velocity::new(0.4, 0.3), 2.0);
-        simulator.chain()
+        simulator.hash_chain()
     };
     assert_eq!(chain(7), chain(7));
     assert_ne!(chain(7), chain(8));
@@ -341,11 +347,9 @@ fn a_robot_drives_kilometres_from_the_origin_as_near_it() {
     let driven = |x: f64| {
         let mut builder = SceneBuilder::new();
         let ground = builder.material(Material::plain(SemanticClass::Ground, [0.4, 0.5, 0.3]));
-        let (corner, sides) = (
-            Point3::new(x - 32.0, -32.0, 0.0),
-            (Vector3::x() * 64.0, Vector3::y() * 64.0),
-        );
-        builder.rectangle(Layer::Both, ground, corner, sides, [1.0; 2]);
+        let corner = Point3::new(x - 32.0, -32.0, 0.0);
+        let (east, north) = (Vector3::x() * 64.0, Vector3::y() * 64.0);
+        builder.rectangle(Layer::Both, ground, corner, east, north, [1.0; 2]);
         let stage = Stage::new(RayCaster::new(Arc::new(builder.build()))).unwrap();
         let start = Pose2::new(x, 0.0, 0.3);
         let mut simulator = Simulator::new(stage, RobotDescription::sentry(), start, 1);

@@ -19,7 +19,8 @@ fn ground() -> Scene {
         Layer::Both,
         grey,
         Point3::new(-200.0, -100.0, 0.0),
-        (x, y),
+        x,
+        y,
         [1.0; 2],
     );
     builder.build()
@@ -39,11 +40,11 @@ fn street(highway: &str) -> OsmMap {
 
 /// A robot at `start` on a street with this traffic.
 fn among(highway: &str, plan: TrafficPlan, start: Pose2, seed: u64) -> Simulator {
-    let stage = Stage::peopled(ground(), plan).unwrap();
+    let stage = Stage::with_figures(ground(), plan).unwrap();
     let traffic = Traffic::new(&street(highway), |_| true, plan, start.point(), seed);
     assert_eq!(traffic.placed(), plan);
     Simulator::new(stage, RobotDescription::sentry(), start, seed)
-        .among(traffic)
+        .with_traffic(traffic)
         .unwrap()
 }
 
@@ -133,12 +134,12 @@ fn the_camera_sees_a_passing_car() {
 fn driving_into_people_is_a_collision_with_a_person() {
     // The passage is so narrow that nobody can step aside.
     let start = Pose2::new(40.0, 0.0, 0.0);
-    let stage = Stage::peopled(ground(), people(20)).unwrap();
+    let stage = Stage::with_figures(ground(), people(20)).unwrap();
     let narrow = |p: MapPoint| p.y.abs() < 0.3;
     let traffic = Traffic::new(&street("footway"), narrow, people(20), start.point(), 5);
     assert!(traffic.placed().pedestrians > 10);
     let mut simulator = Simulator::new(stage, RobotDescription::sentry(), start, 5)
-        .among(traffic)
+        .with_traffic(traffic)
         .unwrap();
     for _ in 0..1200 {
         simulator.step(Velocity::new(0.5, 0.0));
@@ -207,7 +208,7 @@ fn bytes(seed: u64) -> blake3::Hash {
             hasher.update(&image.rgb);
         }
     }
-    hasher.update(&simulator.chain()).finalize()
+    hasher.update(&simulator.hash_chain()).finalize()
 }
 
 #[test]
@@ -250,5 +251,5 @@ fn a_stage_without_figures_takes_no_traffic() {
         Pose2::new(50.0, 0.0, 0.0),
         1,
     );
-    assert!(simulator.among(traffic).is_err());
+    assert!(simulator.with_traffic(traffic).is_err());
 }

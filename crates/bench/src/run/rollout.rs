@@ -199,7 +199,7 @@ impl<'o> Rollout<'o> {
         self.trace.map = map;
         self.trace.collisions = self.simulator.collisions().to_vec();
         self.trace.sim_seconds = self.simulator.time().seconds();
-        self.trace.chain = self.simulator.chain();
+        self.trace.chain = self.simulator.hash_chain();
         Ok(self.trace)
     }
 

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use openbench_core::{Address, FailureCause, Image, MapPoint, ModelUse, Plan, SimTime, Velocity};
 use openbench_sim::Collision;
-use openbench_sim::traffic::Totals;
+use openbench_sim::traffic::EncounterTotals;
 
 pub use pose_error::PoseError;
 pub use smoothness::{Smoothness, SmoothnessSum};
@@ -40,7 +40,7 @@ pub struct TaskOutcome {
     /// Collisions during the delivery.
     pub collisions: Vec<Collision>,
     /// Encounters with people and cars; `None` in a world without traffic.
-    pub encounters: Option<Totals>,
+    pub encounters: Option<EncounterTotals>,
     /// Distance between the last estimated and the true position at the end, metres; `None` if the
     /// agent reported no pose.
     pub pose_error_m: Option<f64>,

@@ -6,7 +6,7 @@ use std::time::Duration;
 use openbench_core::{MapPoint, RobotDescription};
 use openbench_osm::OsmMap;
 use openbench_scene::{FreeSpace, World};
-use openbench_sim::traffic::{PERSON_RADIUS, Traffic};
+use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
 use openbench_sim::{Simulator, Stage};
 
 use super::load;
@@ -86,10 +86,10 @@ impl Prepared {
         let world = load(&suite.world)?;
         let robot = suite.sensors.robot();
         let stage =
-            Stage::peopled(world.scene.clone(), suite.traffic).map_err(BenchError::world)?;
+            Stage::with_figures(world.scene.clone(), suite.traffic).map_err(BenchError::world)?;
         let space = |radius| FreeSpace::new(stage.caster(), world.start.point(), radius);
         let free_space = space(robot.circumscribed_radius());
-        let people_space = (!suite.traffic.is_empty()).then(|| space(PERSON_RADIUS));
+        let people_space = (!suite.traffic.is_empty()).then(|| space(PERSON_RADIUS_M));
         let approach = world
             .scene
             .doors
@@ -140,7 +140,7 @@ impl Prepared {
             seed,
         );
         match self.traffic(seed) {
-            Some(traffic) => simulator.among(traffic).map_err(BenchError::world),
+            Some(traffic) => simulator.with_traffic(traffic).map_err(BenchError::world),
             None => Ok(simulator),
         }
     }

@@ -28,7 +28,7 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
         pedestrians: args.pedestrians.into(),
         cars: args.cars.into(),
     };
-    let stage = Stage::peopled(world.scene.clone(), plan)?;
+    let stage = Stage::with_figures(world.scene.clone(), plan)?;
     let view = match args.from {
         Some(pose) => street_view(stage.caster(), pose),
         None => birds_eye(&world, args.above),
@@ -69,7 +69,7 @@ fn movers(world: &World, stage: &Stage, plan: TrafficPlan, after: u16) -> anyhow
     }
     let map = OsmMap::new(&world.map, world.georeference);
     let still = Simulator::new(stage.clone(), RobotDescription::sentry(), world.start, 0);
-    let mut simulator = still.among_traffic_of(&map, plan, 0)?;
+    let mut simulator = still.with_traffic_on(&map, plan, 0)?;
     while simulator.time().seconds() < f64::from(after) {
         simulator.step(Velocity::ZERO);
     }

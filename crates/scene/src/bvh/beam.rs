@@ -7,7 +7,7 @@
 
 use super::branchless::mask;
 use super::dispatch::{Kernel, widest};
-use super::node::Node;
+use super::node::{Children, Node};
 use super::packet::{LANES, PACKET_STACK, PacketHits, RayPacket, Triangles, Visit, enters, invert};
 use super::tree::TriangleBvh;
 use super::triangle::Hit;
@@ -219,7 +219,7 @@ impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
                 continue;
             }
             if !node.is_leaf() {
-                let (near, far) = node.ordered(&against);
+                let Children { near, far } = node.ordered(&against);
                 (stack[top], stack[top + 1]) = (far, near);
                 top += 2;
                 continue;

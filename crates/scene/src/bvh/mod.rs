@@ -7,6 +7,7 @@
 //! | module | its one job |
 //! |---|---|
 //! | `branchless` | comparisons and choices without a branch |
+//! | `bounds` | boxes in space |
 //! | `node`, `triangle` | one ray against a box or a triangle |
 //! | `tree` | the tree: how it is built, and one ray in it |
 //! | `packet` | sixteen rays at once |
@@ -15,6 +16,7 @@
 //! | `dispatch` | the widest vector instructions of the machine |
 
 mod beam;
+mod bounds;
 mod branchless;
 mod dispatch;
 mod movers;
@@ -24,9 +26,10 @@ mod tree;
 mod triangle;
 
 pub use beam::Beam;
+pub use bounds::Bounds3;
 pub use dispatch::{Kernel, widest};
 pub(crate) use movers::CastAmong;
-pub use movers::{Figure, Movers, Placed, SWEEP};
+pub use movers::{Movers, Placed, SWEEP_S};
 pub use packet::{LANES, Lane, PacketHits, RayPacket};
 pub use tree::TriangleBvh;
 pub use triangle::{Hit, MISS};

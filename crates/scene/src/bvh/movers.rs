@@ -7,6 +7,7 @@
 use nalgebra::Vector3;
 use openbench_core::Pose3;
 
+use super::bounds::Bounds3;
 use super::dispatch::Kernel;
 use super::node::Node;
 use super::packet::{
@@ -17,7 +18,11 @@ use super::triangle::{Hit, MISS};
 
 /// Longest time before the instant at which a ray may be cast, seconds: the duration of a LiDAR
 /// scan.
-pub const SWEEP: f32 = 0.1;
+pub const SWEEP_S: f32 = 0.1;
+
+/// Margin of the box around a figure, metres, so that rounding loses no hit. In single precision
+/// coordinates of a few kilometres have steps of 0.2 mm.
+const SLACK_M: f32 = 1e-3;
 
 /// A figure at an instant.
 #[derive(Debug, Clone, Copy)]
@@ -30,9 +35,6 @@ pub struct Placed {
     /// then.
     pub velocity: [f32; 3],
 }
-
-/// A figure's tree.
-pub type Figure = TriangleBvh;
 
 /// Figures as they are placed at an instant.
 #[derive(Debug, Clone, Default)]
@@ -51,10 +53,11 @@ struct Frame {
     velocity: [f32; 3],
 }
 
+/// A figure and the box around it.
 #[derive(Debug, Clone, Copy)]
-struct Bounds {
-    min: [f32; 3],
-    max: [f32; 3],
+struct Boxed {
+    mover: u32,
+    bounds: Bounds3,
 }
 
 impl Movers {
@@ -66,21 +69,23 @@ impl Movers {
     /// Places figures instead of those placed before. The number of a mover is its index in
     /// `placed`. No ray sees figures without finite numbers, without triangles or with an unknown
     /// index.
-    pub fn place(&mut self, figures: &[Figure], placed: impl Iterator<Item = Placed>) {
+    pub fn place(&mut self, figures: &[TriangleBvh], placed: impl Iterator<Item = Placed>) {
         self.nodes.clear();
         self.frames.clear();
         let mut boxes = Vec::new();
         for place in placed {
             let frame = Frame::new(&place);
             let bounds = figures.get(place.figure).and_then(TriangleBvh::bounds);
-            if let Some(around) = bounds.map(|b| frame.sweep(b)).filter(Bounds::is_finite) {
-                boxes.push((self.frames.len() as u32, around));
+            let swept = bounds.map(|bounds| frame.sweep(bounds));
+            if let Some(bounds) = swept.filter(Bounds3::is_finite) {
+                let mover = self.frames.len() as u32;
+                boxes.push(Boxed { mover, bounds });
             }
             self.frames.push(frame);
         }
         if let Some(root) = around(&boxes) {
             // As in the trees of triangles, the root has no sibling.
-            self.nodes.resize(2, root.node());
+            self.nodes.resize(2, node_over(root));
             self.split(0, &mut boxes);
         }
     }
@@ -97,32 +102,31 @@ impl Movers {
 
     /// Makes the node `at` over these boxes: halves along the axis in which their middles spread
     /// most.
-    fn split(&mut self, at: usize, boxes: &mut [(u32, Bounds)]) {
-        if let [(mover, bounds)] = boxes {
+    fn split(&mut self, at: usize, boxes: &mut [Boxed]) {
+        if let [Boxed { mover, bounds }] = boxes {
             self.nodes[at] = Node {
                 first: *mover,
                 kind: 8,
-                ..bounds.node()
+                ..node_over(*bounds)
             };
             return;
         }
-        let spread = |axis: usize| {
-            let middles = boxes.iter().map(|(_, b)| b.middle(axis));
-            let (low, high) = middles.fold((f32::MAX, f32::MIN), |(l, h), m| (l.min(m), h.max(m)));
-            high - low
-        };
         let axis = (0..3).fold(0, |best, axis| {
-            if spread(axis) > spread(best) {
+            if spread(boxes, axis) > spread(boxes, best) {
                 axis
             } else {
                 best
             }
         });
-        boxes.sort_by(|(i, a), (j, b)| a.middle(axis).total_cmp(&b.middle(axis)).then(i.cmp(j)));
+        // Ties go by number, so that the tree does not depend on how a sort treats equals.
+        boxes.sort_by(|a, b| {
+            let [p, q] = [a, b].map(|boxed| boxed.bounds.doubled_middle(axis));
+            p.total_cmp(&q).then(a.mover.cmp(&b.mover))
+        });
         let (low, high) = boxes.split_at_mut(boxes.len() / 2);
         let first = self.nodes.len();
         for half in [&*low, &*high] {
-            self.nodes.extend(around(half).map(|b| b.node()));
+            self.nodes.extend(around(half).map(node_over));
         }
         (self.nodes[at].first, self.nodes[at].kind) = (first as u32, 2 * axis as u32);
         self.split(first, low);
@@ -141,22 +145,21 @@ impl Frame {
         }
     }
 
-    /// The box in `map` around the figure at the instant and during [`SWEEP`] before it.
-    fn sweep(&self, (min, max): ([f32; 3], [f32; 3])) -> Bounds {
-        let mut bounds = Bounds {
+    /// The box in `map` around the figure at the instant and during [`SWEEP_S`] before it.
+    fn sweep(&self, figure: Bounds3) -> Bounds3 {
+        let mut bounds = Bounds3 {
             min: self.origin,
             max: self.origin,
         };
         for i in 0..3 {
-            for (axis, (low, high)) in self.axes.iter().zip(min.iter().zip(&max)) {
+            for (axis, (low, high)) in self.axes.iter().zip(figure.min.iter().zip(&figure.max)) {
                 let (a, b) = (axis[i] * low, axis[i] * high);
                 bounds.min[i] += a.min(b);
                 bounds.max[i] += a.max(b);
             }
-            let before = -self.velocity[i] * SWEEP;
-            // Allow for rounding.
-            bounds.min[i] += before.min(0.0) - 1e-3;
-            bounds.max[i] += before.max(0.0) + 1e-3;
+            let before = -self.velocity[i] * SWEEP_S;
+            bounds.min[i] += before.min(0.0) - SLACK_M;
+            bounds.max[i] += before.max(0.0) + SLACK_M;
         }
         bounds
     }
@@ -185,36 +188,32 @@ impl Frame {
     }
 }
 
-impl Bounds {
-    fn is_finite(&self) -> bool {
-        self.min.iter().chain(&self.max).all(|c| c.is_finite())
-    }
-
-    fn middle(&self, axis: usize) -> f32 {
-        self.min[axis] + self.max[axis]
-    }
-
-    fn node(&self) -> Node {
-        Node {
-            min: self.min,
-            first: 0,
-            max: self.max,
-            kind: 0,
-        }
+/// A node with this box. It leads nowhere yet.
+fn node_over(bounds: Bounds3) -> Node {
+    Node {
+        min: bounds.min,
+        first: 0,
+        max: bounds.max,
+        kind: 0,
     }
 }
 
-fn around(boxes: &[(u32, Bounds)]) -> Option<Bounds> {
-    boxes.iter().map(|(_, b)| *b).reduce(|a, b| Bounds {
-        min: [0, 1, 2].map(|i| a.min[i].min(b.min[i])),
-        max: [0, 1, 2].map(|i| a.max[i].max(b.max[i])),
-    })
+/// How far the middles of the boxes lie apart along an axis, doubled.
+fn spread(boxes: &[Boxed], axis: usize) -> f32 {
+    let middles = boxes.iter().map(|b| b.bounds.doubled_middle(axis));
+    let (low, high) = middles.fold((f32::MAX, f32::MIN), |(l, h), m| (l.min(m), h.max(m)));
+    high - low
+}
+
+/// The box around all boxes.
+fn around(boxes: &[Boxed]) -> Option<Bounds3> {
+    boxes.iter().map(|b| b.bounds).reduce(Bounds3::union)
 }
 
 /// Finds the movers that the rays hit before their hits so far.
 pub(crate) struct CastAmong<'a, F> {
     pub(crate) movers: &'a Movers,
-    pub(crate) figures: &'a [Figure],
+    pub(crate) figures: &'a [TriangleBvh],
     pub(crate) rays: &'a RayPacket,
     pub(crate) lags: &'a Lane,
     pub(crate) opaque: &'a F,
@@ -248,7 +247,7 @@ impl<F: Fn(&Hit) -> bool> Kernel for CastAmong<'_, F> {
 /// Casts the rays into the figures of leaves.
 struct Boxes<'a, F> {
     movers: &'a Movers,
-    figures: &'a [Figure],
+    figures: &'a [TriangleBvh],
     rays: &'a RayPacket,
     lags: &'a Lane,
     opaque: &'a F,
@@ -343,7 +342,7 @@ mod tests {
         packet
     }
 
-    fn among(movers: &Movers, figures: &[Figure], rays: &RayPacket, lag: f32) -> PacketHits {
+    fn among(movers: &Movers, figures: &[TriangleBvh], rays: &RayPacket, lag: f32) -> PacketHits {
         let mut hits = PacketHits::none(rays);
         let (opaque, lags) = (|_: &Hit| true, [lag; LANES]);
         widest(CastAmong {
@@ -363,7 +362,7 @@ mod tests {
             soups in prop::array::uniform2(prop::collection::vec(triangle(), 1..12)),
             places in prop::collection::vec(placed(), 1..12),
             rays in prop::collection::vec((within(10.0), within(1.0)), LANES),
-            lag in -SWEEP..0.0,
+            lag in -SWEEP_S..0.0,
         ) {
             let second = soups[0].len() as u32;
             let figures = [

@@ -15,6 +15,12 @@ pub(super) struct Node {
     pub(super) kind: u32,
 }
 
+/// The children of an inner node, in the order in which rays meet them.
+pub(super) struct Children {
+    pub(super) near: u32,
+    pub(super) far: u32,
+}
+
 impl Node {
     #[inline(always)]
     pub(super) fn is_leaf(&self) -> bool {
@@ -31,12 +37,14 @@ impl Node {
         self.kind & 1
     }
 
-    /// The children of an inner node, the nearer first, for rays that run against the axes with a
-    /// 1.
+    /// The children of an inner node for rays that run against the axes with a 1.
     #[inline(always)]
-    pub(super) fn ordered(&self, against: &[u32; 3]) -> (u32, u32) {
+    pub(super) fn ordered(&self, against: &[u32; 3]) -> Children {
         let second_first = against[self.axis()] ^ self.flipped();
-        (self.first + second_first, self.first + 1 - second_first)
+        Children {
+            near: self.first + second_first,
+            far: self.first + 1 - second_first,
+        }
     }
 }
 

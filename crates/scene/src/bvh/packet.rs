@@ -6,9 +6,9 @@
 
 use super::branchless::{lower, mask, select, upper};
 use super::dispatch::{Kernel, widest};
-use super::node::{Node, reciprocal};
+use super::node::{Children, Node, reciprocal};
 use super::tree::TriangleBvh;
-use super::triangle::{Hit, LeafTriangle, MISS, moeller_trumbore};
+use super::triangle::{Hit, LeafTriangle, MISS, Meeting, moeller_trumbore};
 
 /// Rays in a packet.
 pub const LANES: usize = 16;
@@ -239,7 +239,7 @@ pub(super) fn traverse(
         if node.is_leaf() {
             visit.leaf(node, hits);
         } else {
-            let (near, far) = node.ordered(&traversal.against);
+            let Children { near, far } = node.ordered(&traversal.against);
             (stack[top], stack[top + 1]) = (far, near);
             top += 2;
         }
@@ -299,7 +299,12 @@ fn intersect(triangle: &LeafTriangle, rays: &RayPacket, hits: &mut PacketHits) {
     let triangle = *triangle;
     for lane in 0..LANES {
         let at = |v: &[Lane; 3]| [v[0][lane], v[1][lane], v[2][lane]];
-        let (distance, u, v, hit) = moeller_trumbore(
+        let Meeting {
+            distance,
+            u,
+            v,
+            hit,
+        } = moeller_trumbore(
             &triangle,
             at(&rays.origin),
             at(&rays.direction),
@@ -325,12 +330,14 @@ fn intersect_masked(
     let mut inside = [0_u32; LANES];
     for lane in 0..LANES {
         let at = |v: &[Lane; 3]| [v[0][lane], v[1][lane], v[2][lane]];
-        (distance[lane], u[lane], v[lane], inside[lane]) = moeller_trumbore(
+        let met = moeller_trumbore(
             &triangle,
             at(&rays.origin),
             at(&rays.direction),
             hits.distance[lane],
         );
+        (distance[lane], u[lane], v[lane]) = (met.distance, met.u, met.v);
+        inside[lane] = met.hit;
     }
     // Most triangles are missed by all rays. That test takes one instruction; which rays hit takes
     // a dozen.

@@ -4,6 +4,7 @@ use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 
+use super::bounds::Bounds3;
 use super::node::{Node, reciprocal, slab_one};
 use super::triangle::{Hit, LeafTriangle, MISS, intersect_one, leaf_triangle};
 
@@ -77,8 +78,12 @@ impl TriangleBvh {
     fn lay_out(&mut self, tree: &Bvh2, triangle: impl Fn(u32) -> LeafTriangle) {
         // The root has no sibling. An empty place beside it lets every pair begin at an even index.
         self.nodes = vec![node(tree, 0); 2];
-        let mut todo = vec![(0_u32, 0_usize, 1_usize)];
-        while let Some((from, to, depth)) = todo.pop() {
+        let mut todo = vec![Copying {
+            from: 0,
+            to: 0,
+            depth: 1,
+        }];
+        while let Some(Copying { from, to, depth }) = todo.pop() {
             self.depth = self.depth.max(depth);
             let source = &tree.nodes[from as usize];
             if source.prim_count == 0 {
@@ -86,8 +91,14 @@ impl TriangleBvh {
                 self.nodes[to].first = first as u32;
                 self.nodes
                     .extend([source.first_index, source.first_index + 1].map(|i| node(tree, i)));
-                todo.push((source.first_index + 1, first + 1, depth + 1));
-                todo.push((source.first_index, first, depth + 1));
+                // The first of the two is popped first.
+                for i in [1, 0] {
+                    todo.push(Copying {
+                        from: source.first_index + i,
+                        to: first + i as usize,
+                        depth: depth + 1,
+                    });
+                }
             } else {
                 self.nodes[to].first = self.triangles.len() as u32;
                 let primitives = source.first_index..source.first_index + source.prim_count;
@@ -97,9 +108,12 @@ impl TriangleBvh {
         }
     }
 
-    /// Lowest and highest corner of the box around all triangles, metres; `None` if there are none.
-    pub fn bounds(&self) -> Option<([f32; 3], [f32; 3])> {
-        self.nodes.first().map(|root| (root.min, root.max))
+    /// The box around all triangles; `None` if there are none.
+    pub fn bounds(&self) -> Option<Bounds3> {
+        self.nodes.first().map(|root| Bounds3 {
+            min: root.min,
+            max: root.max,
+        })
     }
 
     /// The first hit of a ray from `origin` along `direction`, within `limit` lengths of
@@ -125,13 +139,17 @@ impl TriangleBvh {
         };
         let mut stack = Stack::new();
         if !self.nodes.is_empty() {
-            stack.push((0, 0.0));
+            stack.push(Entry {
+                node: 0,
+                distance: 0.0,
+            });
         }
-        while let Some((index, entry)) = stack.pop() {
-            if entry > best.distance {
+        while let Some(entry) = stack.pop() {
+            // A hit that was found meanwhile is nearer than the whole box.
+            if entry.distance > best.distance {
                 continue;
             }
-            let node = &self.nodes[index as usize];
+            let node = &self.nodes[entry.node as usize];
             if node.is_leaf() {
                 for triangle in self.leaf(node) {
                     let mut hit = best;
@@ -143,12 +161,18 @@ impl TriangleBvh {
                 }
                 continue;
             }
-            let enter = |i: u32| {
-                slab_one(&self.nodes[i as usize], origin, inverse, best.distance).map(|t| (i, t))
+            let enter = |node: u32| {
+                let box_of_node = &self.nodes[node as usize];
+                slab_one(box_of_node, origin, inverse, best.distance)
+                    .map(|distance| Entry { node, distance })
             };
             match (enter(node.first), enter(node.first + 1)) {
                 (Some(a), Some(b)) => {
-                    let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+                    let (near, far) = if a.distance <= b.distance {
+                        (a, b)
+                    } else {
+                        (b, a)
+                    };
                     stack.push(far);
                     stack.push(near);
                 }
@@ -191,25 +215,49 @@ fn node(tree: &Bvh2, index: u32) -> Node {
     }
 }
 
-/// Nodes that are still to be visited, with the distances at which the ray enters them: an array,
-/// and a vector for degenerate trees.
-struct Stack {
-    shallow: [(u32, f32); 64],
-    count: usize,
-    deep: Vec<(u32, f32)>,
+/// A node of the builder's tree that is still to be copied.
+struct Copying {
+    /// Its number there.
+    from: u32,
+    /// Its number here.
+    to: usize,
+    /// Nodes from the root to it, both included.
+    depth: usize,
 }
+
+/// A node that is still to be visited.
+#[derive(Clone, Copy)]
+struct Entry {
+    node: u32,
+    /// Where the ray enters its box, in lengths of the direction.
+    distance: f32,
+}
+
+/// Nodes that are still to be visited: an array, and a vector for degenerate trees. A binary tree
+/// of four thousand million triangles fits the array if it is balanced.
+struct Stack {
+    shallow: [Entry; SHALLOW],
+    count: usize,
+    deep: Vec<Entry>,
+}
+
+/// Entries that need no allocation.
+const SHALLOW: usize = 64;
 
 impl Stack {
     fn new() -> Self {
         Self {
-            shallow: [(0, 0.0); 64],
+            shallow: [Entry {
+                node: 0,
+                distance: 0.0,
+            }; SHALLOW],
             count: 0,
             deep: Vec::new(),
         }
     }
 
     #[inline(always)]
-    fn push(&mut self, entry: (u32, f32)) {
+    fn push(&mut self, entry: Entry) {
         match self.shallow.get_mut(self.count) {
             Some(slot) => {
                 *slot = entry;
@@ -220,7 +268,7 @@ impl Stack {
     }
 
     #[inline(always)]
-    fn pop(&mut self) -> Option<(u32, f32)> {
+    fn pop(&mut self) -> Option<Entry> {
         if let Some(entry) = self.deep.pop() {
             return Some(entry);
         }

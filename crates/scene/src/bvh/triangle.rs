@@ -59,14 +59,30 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Distance and corner weights of the hit, and a mask of ones if there is one before `limit`.
+/// Where a ray meets the plane of a triangle.
+#[derive(Clone, Copy)]
+pub(super) struct Meeting {
+    /// In lengths of the direction.
+    pub(super) distance: f32,
+    /// Weights of the second and the third corner.
+    pub(super) u: f32,
+    pub(super) v: f32,
+    /// Ones in every bit if the triangle is hit before the limit, else zeros.
+    pub(super) hit: u32,
+}
+
+/// Hits nearer than this are that of the surface from which the ray starts, in lengths of the
+/// direction.
+const NEAREST: f32 = 1e-5;
+
+/// Where a ray meets a triangle, and whether it hits it before `limit`.
 #[inline(always)]
 pub(super) fn moeller_trumbore(
     t: &LeafTriangle,
     origin: [f32; 3],
     direction: [f32; 3],
     limit: f32,
-) -> (f32, f32, f32, u32) {
+) -> Meeting {
     let p = cross(direction, t.edge2);
     let inverse = 1.0 / dot(t.edge1, p);
     let s = [
@@ -83,9 +99,14 @@ pub(super) fn moeller_trumbore(
     let hit = mask(u >= 0.0)
         & mask(v >= 0.0)
         & mask(u + v <= 1.0)
-        & mask(distance > 1e-5)
+        & mask(distance > NEAREST)
         & mask(distance < limit);
-    (distance, u, v, hit)
+    Meeting {
+        distance,
+        u,
+        v,
+        hit,
+    }
 }
 
 #[inline(always)]
@@ -95,14 +116,14 @@ pub(super) fn intersect_one(
     direction: [f32; 3],
     best: &mut Hit,
 ) -> bool {
-    let (distance, u, v, hit) = moeller_trumbore(triangle, origin, direction, best.distance);
-    if hit != 0 {
+    let met = moeller_trumbore(triangle, origin, direction, best.distance);
+    if met.hit != 0 {
         *best = Hit {
-            distance,
+            distance: met.distance,
             triangle: triangle.index,
-            u,
-            v,
+            u: met.u,
+            v: met.v,
         };
     }
-    hit != 0
+    met.hit != 0
 }

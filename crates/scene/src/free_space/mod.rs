@@ -10,7 +10,9 @@ mod any_angle;
 mod slices;
 
 use openbench_core::MapPoint;
+use openbench_geometry::Bounds;
 use openbench_geometry::grid::{GridGeometry, squared_distances};
+use openbench_geometry::line::length;
 
 use crate::raycast::RayCaster;
 use crate::scene::Door;
@@ -67,13 +69,6 @@ pub struct FreeSpace {
     ground: f64,
 }
 
-/// A rectangle along the axes.
-#[derive(Clone, Copy)]
-struct Bounds {
-    low: MapPoint,
-    high: MapPoint,
-}
-
 impl FreeSpace {
     /// The free space of a scene for a disc of `radius` metres, as far as it is connected to
     /// `start`. The height of the ground is that under `start`.
@@ -89,8 +84,8 @@ impl FreeSpace {
         let doors: Vec<MapPoint> = scene.doors.iter().map(Door::point).collect();
         let point = |p: &[f32; 3]| MapPoint::new(f64::from(p[0]), f64::from(p[1]));
         let world = match scene.extent {
-            Some(corners) => Bounds::around(start, corners.into_iter()),
-            None => Bounds::around(start, solid.positions.iter().map(point)),
+            Some(extent) => Bounds::of_point(start).union(extent),
+            None => around(start, solid.positions.iter().map(point)),
         };
         let grid = covering(&polygons, world, start, &doors);
         let mut blocked = vec![false; grid.len()];
@@ -143,7 +138,7 @@ impl FreeSpace {
     /// Length of the shortest path of the footprint, metres; `None` if there is none.
     pub fn distance(&self, from: MapPoint, to: MapPoint) -> Option<f64> {
         let path = self.path(from, to)?;
-        Some(path.windows(2).map(|w| w[0].distance(w[1])).sum())
+        Some(length(&path))
     }
 
     /// The shortest path of the footprint, both ends included; `None` if there is none.
@@ -173,36 +168,11 @@ pub fn ground_height(caster: &RayCaster, at: MapPoint) -> f64 {
     hit.map_or(0.0, |hit| ABOVE_GROUND_M - f64::from(hit.distance))
 }
 
-impl Bounds {
-    /// The bounds of `start` and all `points`.
-    fn around(start: MapPoint, points: impl Iterator<Item = MapPoint>) -> Self {
-        points.fold(
-            Self {
-                low: start,
-                high: start,
-            },
-            |Self { low, high }, p| Self {
-                low: MapPoint::new(low.x.min(p.x), low.y.min(p.y)),
-                high: MapPoint::new(high.x.max(p.x), high.y.max(p.y)),
-            },
-        )
-    }
-
-    fn grown(self, by: f64) -> Self {
-        let Self { low, high } = self;
-        Self {
-            low: MapPoint::new(low.x - by, low.y - by),
-            high: MapPoint::new(high.x + by, high.y + by),
-        }
-    }
-
-    fn intersection(self, other: Self) -> Self {
-        let (a, b) = (self, other);
-        Self {
-            low: MapPoint::new(a.low.x.max(b.low.x), a.low.y.max(b.low.y)),
-            high: MapPoint::new(a.high.x.min(b.high.x), a.high.y.min(b.high.y)),
-        }
-    }
+/// The bounds of `start` and all `points`.
+fn around(start: MapPoint, points: impl Iterator<Item = MapPoint>) -> Bounds {
+    points
+        .map(Bounds::of_point)
+        .fold(Bounds::of_point(start), Bounds::union)
 }
 
 /// A grid over the solid surfaces that are not too far from the start and every door, no larger
@@ -213,8 +183,8 @@ fn covering(
     start: MapPoint,
     doors: &[MapPoint],
 ) -> GridGeometry {
-    let solid = Bounds::around(start, polygons.iter().flatten().copied()).grown(MARGIN_M);
-    let served = Bounds::around(start, doors.iter().copied()).grown(SURROUNDINGS_M);
+    let solid = around(start, polygons.iter().flatten().copied()).grown(MARGIN_M);
+    let served = around(start, doors.iter().copied()).grown(SURROUNDINGS_M);
     let Bounds { low, high } = solid.intersection(served).intersection(world);
     let longer_side = (high.x - low.x).max(high.y - low.y);
     let cell = CELL_M.max(longer_side / (MAX_CELLS - 1) as f64);
@@ -268,28 +238,32 @@ mod tests {
             Layer::Both,
             grey,
             Point3::new(-20.0, -20.0, 0.1),
-            (x * 40.0, y * 40.0),
+            x * 40.0,
+            y * 40.0,
             [1.0; 2],
         );
         builder.rectangle(
             Layer::Both,
             grey,
             Point3::new(-5.0, 0.0, 0.1),
-            (x * 10.0, z * 2.0),
+            x * 10.0,
+            z * 2.0,
             [1.0; 2],
         );
         builder.rectangle(
             Layer::Both,
             grey,
             Point3::new(-20.0, -20.0, 0.1),
-            (x * 40.0, z),
+            x * 40.0,
+            z,
             [1.0; 2],
         );
         builder.rectangle(
             Layer::Both,
             grey,
             Point3::new(-20.0, 20.0, 0.1),
-            (x * 40.0, z),
+            x * 40.0,
+            z,
             [1.0; 2],
         );
         FreeSpace::new(

@@ -2,6 +2,7 @@
 
 use openbench_core::MapPoint;
 use openbench_geometry::grid::GridGeometry;
+use openbench_geometry::{Bounds, sides, turn};
 
 /// Half a cell's diagonal, in cells, rounded up.
 const HALF_DIAGONAL: f64 = 0.71;
@@ -33,10 +34,10 @@ fn clip(polygon: &[[f64; 3]], side: impl Fn(&[f64; 3]) -> f64) -> Vec<[f64; 3]> 
 /// Marks every cell that the convex `polygon` comes near to; a degenerate one is a line.
 pub(super) fn draw(grid: &GridGeometry, polygon: &[MapPoint], blocked: &mut [bool]) {
     let Some(first) = polygon.first() else { return };
-    let lower = |a: MapPoint, p: &MapPoint| MapPoint::new(a.x.min(p.x), a.y.min(p.y));
-    let upper = |a: MapPoint, p: &MapPoint| MapPoint::new(a.x.max(p.x), a.y.max(p.y));
-    let low = polygon.iter().fold(*first, lower);
-    let high = polygon.iter().fold(*first, upper);
+    let Bounds { low, high } = polygon
+        .iter()
+        .map(|p| Bounds::of_point(*p))
+        .fold(Bounds::of_point(*first), Bounds::union);
     let Some((columns, rows)) = grid.window(low, high) else {
         return;
     };
@@ -50,21 +51,9 @@ pub(super) fn draw(grid: &GridGeometry, polygon: &[MapPoint], blocked: &mut [boo
 
 /// Whether `p` lies in the convex polygon (of either orientation) or within `reach` of its edges.
 fn touches(polygon: &[MapPoint], p: MapPoint, reach: f64) -> bool {
-    let edges = || (0..polygon.len()).map(|i| [polygon[i], polygon[(i + 1) % polygon.len()]]);
-    if edges().any(|[a, b]| distance_to_edge(p, a, b) <= reach) {
+    if sides(polygon).any(|side| side.distance_to_point(p) <= reach) {
         return true;
     }
-    let turn = |[a, b]: [MapPoint; 2]| (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
-    edges().map(turn).all(|t| t > 0.0) || edges().map(turn).all(|t| t < 0.0)
-}
-
-fn distance_to_edge(p: MapPoint, a: MapPoint, b: MapPoint) -> f64 {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let squared = dx * dx + dy * dy;
-    let t = if squared > 0.0 {
-        (((p.x - a.x) * dx + (p.y - a.y) * dy) / squared).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    p.distance(MapPoint::new(a.x + t * dx, a.y + t * dy))
+    let turns = || sides(polygon).map(|side| turn(side.start, side.end, p));
+    turns().all(|t| t > 0.0) || turns().all(|t| t < 0.0)
 }

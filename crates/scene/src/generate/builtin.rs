@@ -6,15 +6,30 @@ use openbench_osm::OsmData;
 use super::{GenerateError, GenerateOptions, generate};
 use crate::world::World;
 
-const MAPS: [(&str, &str); 3] = [
-    ("small", include_str!("../../assets/small.osm")),
-    ("medium", include_str!("../../assets/medium.osm")),
-    ("large", include_str!("../../assets/large.osm")),
+/// A map that the crate carries.
+struct BuiltInMap {
+    name: &'static str,
+    xml: &'static str,
+}
+
+const MAPS: [BuiltInMap; 3] = [
+    BuiltInMap {
+        name: "small",
+        xml: include_str!("../../assets/small.osm"),
+    },
+    BuiltInMap {
+        name: "medium",
+        xml: include_str!("../../assets/medium.osm"),
+    },
+    BuiltInMap {
+        name: "large",
+        xml: include_str!("../../assets/large.osm"),
+    },
 ];
 
 /// Names of the built-in worlds.
 pub fn builtin_names() -> [&'static str; 3] {
-    MAPS.map(|(name, _)| name)
+    MAPS.map(|map| map.name)
 }
 
 /// Georeference of the built-in maps: the origin is the robot's start.
@@ -29,10 +44,10 @@ pub fn builtin_georeference() -> Georeference {
 
 /// The map of a built-in world, doors included; `None` if there is no such world.
 pub fn builtin_map(name: &str) -> Option<Result<OsmData, GenerateError>> {
-    let (name, xml) = MAPS.iter().find(|(known, _)| *known == name)?;
-    let data = OsmData::from_xml(xml.as_bytes());
+    let map = MAPS.into_iter().find(|map| map.name == name)?;
+    let data = OsmData::from_xml(map.xml.as_bytes());
     Some(data.map_err(|source| GenerateError::Builtin {
-        name: (*name).to_owned(),
+        name: map.name.to_owned(),
         source,
     }))
 }

@@ -2,17 +2,16 @@
 //! built. Generators read it and change nothing in it.
 
 use openbench_core::MapPoint;
-use openbench_geometry::Polygon;
+use openbench_geometry::{Bounds, Polygon, Segment};
 use openbench_osm::OsmMap;
 
-use super::clearance::Clearance;
-use super::doorway::Doorway;
-use super::extent::{Extent, GROUND_MARGIN_M};
-use super::features::{Feature, TreeRow};
-use super::lanes::Lanes;
+use super::doors::doorway::Doorway;
+use super::layout::clearance::Clearance;
+use super::layout::extent::GROUND_MARGIN_M;
+use super::layout::features::{Feature, TreeRow};
+use super::layout::lanes::Lanes;
+use super::materials::palette::Palette;
 use super::options::GenerateOptions;
-use super::palette::Palette;
-use openbench_geometry::Segment;
 
 /// The inputs of all generators.
 pub(super) struct Inputs<'a> {
@@ -28,7 +27,7 @@ pub(super) struct Inputs<'a> {
     /// Every road's segments.
     pub lanes: Lanes,
     /// Around the buildings.
-    pub extent: Extent,
+    pub extent: Bounds,
     /// What the map, the doors and the start keep free.
     pub clearance: Clearance,
     pub palette: Palette,

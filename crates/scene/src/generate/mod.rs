@@ -12,110 +12,62 @@
 //! A world is generated in three stages. `Inputs` are computed of the map and then immutable.
 //! Generators, which are functions of them, build an `Output`. Scene and public map become a
 //! [`World`]. Generators depend on each other in one way only: objects give way to those that were
-//! placed before, which are recorded in `Occupied`. A new kind of thing is a new file and a line in
-//! the list `FIXED` or `PLACED`.
+//! placed before, which are recorded in `Occupied`.
+//!
+//! A new kind of thing is a new file in the folder in which a reader looks for it, and a line in
+//! the list `FIXED` or `PLACED`. If it draws random numbers, it also gets a `Purpose` in `seeds`.
 //!
 //! | module | its one job |
 //! |---|---|
-//! | `builtin` | the three worlds that the crate carries |
-//! | `options`, `error` | settings; why no world could be generated |
+//! | `options`, `error`, `builtin` | settings; why there is no world; the worlds of the crate |
 //! | `inputs`, `output` | what generators read, and what they build |
-//! | `extent`, `features`, `lanes` | the map's rectangle, tagged nodes, and roads by place |
-//! | `clearance`, `keep_free`, `occupied` | ground that the map keeps free, or objects take |
-//! | `doorway`, `entrances`, `naming` | where the doors are; names of their buildings |
-//! | `coast`, `water`, `gates`, `quays` | the sea; open water; gaps in walls; walls at water |
-//! | `start`, `reach` | the robot's start; which ground is connected |
 //! | `seeds` | streams of random numbers |
-//! | `segment`, `rings`, `walls` | lines, closed rings, walls of buildings |
-//! | `shapes`, `ball`, `levels` | boxes, bands, outlines; crowns; heights of ground covers |
-//! | `images`, `openings`, `palette` | procedural textures, and the materials of a world |
-//! | `ground`, `horizon` | the ground and the sea, and the view beyond |
-//! | `aprons`, `covers`, `profile`, `streets` | paved ground, mapped areas, roads and paths |
-//! | `wear`, `markings`, `stripes` | mended places and drains; painted lines |
-//! | `buildings`, `house`, `parts` | buildings, their look, and those whose parts are mapped |
-//! | `facades`, `windows`, `roofs`, `pitched`, `doors` | walls, windows, shops, roofs, doors |
-//! | `barriers`, `hedges` | walls, fences, hedges, kerbs |
-//! | `furniture`, `bins`, `parked_cars`, `car` | lamps and benches, bins, cars |
-//! | `mapped_trees`, `tree_rows`, `woods`, `tree` | trees of the map |
-//! | `shrubs`, `backdrop`, `planting` | greenery that the seed adds |
+//! | `layout` | where things are: extent, roads by place, free ground, the start |
+//! | `materials`, `shapes` | materials and textures; boxes, bands, outlines |
+//! | `ground`, `water` | the ground, areas on it, the horizon; the sea, lakes, quays |
+//! | `streets` | roads and paths, their wear and markings, parked cars |
+//! | `buildings`, `doors` | walls, windows, roofs; doors with addresses and plates |
+//! | `barriers` | walls, fences, kerbs, and gates in them |
+//! | `furniture`, `greenery` | lamps, benches, bins; trees, shrubs, hedges |
 
-mod aprons;
-mod backdrop;
-mod ball;
 mod barriers;
-mod bins;
 mod buildings;
 mod builtin;
-mod car;
-mod clearance;
-mod coast;
-mod covers;
 mod doors;
-mod doorway;
-mod entrances;
 mod error;
-mod extent;
-mod facades;
-mod features;
 mod furniture;
-mod gates;
+mod greenery;
 mod ground;
-mod hedges;
-mod horizon;
-mod house;
-mod images;
 mod inputs;
-mod keep_free;
-mod lanes;
-mod levels;
-mod mapped_trees;
-mod markings;
-mod naming;
-mod occupied;
-mod openings;
+mod layout;
+mod materials;
 mod options;
 mod output;
-mod palette;
-mod parked_cars;
-mod parts;
-mod pitched;
-mod planting;
-mod profile;
-mod quays;
-mod reach;
-mod rings;
-mod roofs;
 mod seeds;
 mod shapes;
-mod shrubs;
-mod start;
 mod streets;
-mod stripes;
-mod tree;
-mod tree_rows;
-mod walls;
 mod water;
-mod wear;
-mod windows;
-mod woods;
 
 use openbench_core::{Georeference, MapPoint, Pose2};
 use openbench_geometry::Segment;
 use openbench_osm::{OsmData, OsmMap, without_doors};
 
 pub use builtin::{builtin, builtin_georeference, builtin_map, builtin_names};
-pub use car::car_figure;
 pub use error::GenerateError;
 pub use options::GenerateOptions;
+pub use streets::car::car_figure;
 
 use crate::scene::SceneBuilder;
 use crate::world::{MAX_FROM_ORIGIN_M, World};
-use extent::{Extent, GROUND_MARGIN_M};
+use doors::entrances;
 use inputs::Inputs;
-use lanes::Lanes;
-use occupied::Occupied;
+use layout::extent::{GROUND_MARGIN_M, extent_of};
+use layout::lanes::Lanes;
+use layout::occupied::Occupied;
+use layout::{features, keep_free, start};
+use materials::palette::Palette;
 use output::{Limits, Output};
-use palette::Palette;
+use water::{coast, quays};
 
 /// Above so many buildings windows lose their sills and hedges their dents: a town has a hundred
 /// thousand of them.
@@ -123,14 +75,14 @@ const MOST_DETAILED: usize = 400;
 
 /// Things that are built where the map has them, in this order, even if they overlap.
 const FIXED: [fn(&Inputs, &mut Output); 10] = [
-    ground::build,
-    horizon::build,
-    aprons::build,
-    covers::build,
-    streets::build,
-    wear::build,
-    markings::build,
-    quays::build,
+    ground::terrain::build,
+    ground::horizon::build,
+    ground::aprons::build,
+    ground::covers::build,
+    streets::roads::build,
+    streets::wear::build,
+    streets::markings::build,
+    water::quays::build,
     buildings::build,
     barriers::build,
 ];
@@ -138,15 +90,15 @@ const FIXED: [fn(&Inputs, &mut Output); 10] = [
 /// Things that give way to what the map keeps free and to objects that were placed before; in this
 /// order. Mapped things come first: what the seed adds gives way to them.
 const PLACED: [fn(&Inputs, &mut Occupied, &mut Output); 9] = [
-    furniture::build,
-    mapped_trees::build,
-    tree_rows::build,
-    parked_cars::build,
-    woods::build,
-    bins::build,
-    shrubs::build,
-    backdrop::build,
-    planting::build,
+    furniture::mapped::build,
+    greenery::mapped_trees::build,
+    greenery::tree_rows::build,
+    streets::parked_cars::build,
+    greenery::woods::build,
+    furniture::bins::build,
+    greenery::shrubs::build,
+    greenery::backdrop::build,
+    greenery::planting::build,
 ];
 
 /// Generates a world of a map: scene, doors, public map without doors, start.
@@ -194,7 +146,7 @@ pub fn generate(
 ) -> Result<World, GenerateError> {
     let anchor = match options.start {
         Some(start) => start.point(),
-        None => Extent::of_map(&OsmMap::new(data, georeference), georeference)?.middle(),
+        None => extent_of(&OsmMap::new(data, georeference), georeference)?.middle(),
     };
     let mut world = generate_about(anchor, data, georeference, seed, options)?;
     if world.start.point().distance(MapPoint::default()) > MAX_FROM_ORIGIN_M {
@@ -244,7 +196,7 @@ fn generate_within(
     options: &GenerateOptions,
 ) -> Result<World, GenerateError> {
     let map = OsmMap::new(data, georeference);
-    let extent = Extent::of_map(&map, georeference)?;
+    let extent = extent_of(&map, georeference)?;
     let sea = coast::sea(data, &map, extent.grown(GROUND_MARGIN_M));
     let mut clearance = keep_free::of_map(&map, &sea);
     let mut public = without_doors(data);
@@ -286,15 +238,15 @@ fn generate_within(
     for build in PLACED {
         build(&inputs, &mut occupied, &mut out);
     }
-    let (scene, warnings) = out.finish();
+    let finished = out.finish();
     Ok(World {
         name: options.name.clone(),
-        scene,
+        scene: finished.scene,
         map: public,
         georeference,
         start,
         attribution: options.attribution.clone(),
-        warnings,
+        warnings: finished.warnings,
     })
 }
 

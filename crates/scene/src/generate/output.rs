@@ -37,6 +37,13 @@ pub(super) struct Output {
     left_out: usize,
 }
 
+/// A finished scene.
+pub(super) struct Finished {
+    pub scene: Scene,
+    /// Descriptions of what had to be left out.
+    pub warnings: Vec<String>,
+}
+
 impl Output {
     pub fn new(scene: SceneBuilder, warnings: Vec<String>, limits: Limits) -> Self {
         Self {
@@ -74,8 +81,8 @@ impl Output {
         face
     }
 
-    /// The scene and the warnings.
-    pub fn finish(mut self) -> (Scene, Vec<String>) {
+    /// The scene, with warnings if it was too large.
+    pub fn finish(mut self) -> Finished {
         if self.is_full() {
             self.warnings.push(format!(
                 "the map is more than {} triangles; windows, fences, trees and cars beyond that \
@@ -90,6 +97,9 @@ impl Output {
                 self.left_out, self.limits.bare
             ));
         }
-        (self.scene.build(), self.warnings)
+        Finished {
+            scene: self.scene.build(),
+            warnings: self.warnings,
+        }
     }
 }

@@ -12,15 +12,15 @@ use super::error::ImportError;
 use super::forms;
 use super::images::read_grey;
 use super::looks::{Look, Looks};
-use super::mesh::{self, Corner, Mesh, Part};
+use super::mesh::{self, Mesh, Part};
 use super::patterns::Pattern;
 use super::plates::plate_of;
 use super::relief;
 use super::road::{ribbon, shift_to_ground};
-use super::sdf::{Geometry, Heightmap, ImageShape, MeshUse, Model, Paint, Road, Shape};
+use super::sdf::{Geometry, Heightmap, ImageShape, MeshUse, Model, Paint, Road, Shape, TiledImage};
 use super::search::{SearchPath, model_of};
 use super::warnings::Warnings;
-use crate::scene::Layer;
+use crate::scene::{Corner, Layer};
 use crate::{SceneBuilder, SemanticClass};
 
 const MAX_TRIANGLES: usize = 20_000_000;
@@ -85,7 +85,7 @@ impl<'a> Emitter<'a> {
         }
         if model.links.iter().any(|link| !link.shapes.is_empty()) {
             self.builder
-                .object(model.name.clone(), class_of_model(model));
+                .begin_object(model.name.clone(), class_of_model(model));
         }
         for link in &model.links {
             for shape in &link.shapes {
@@ -114,7 +114,8 @@ impl<'a> Emitter<'a> {
     pub(crate) fn roads(&mut self, roads: &[Road]) -> Result<(), ImportError> {
         let shift = shift_to_ground(roads, self.ground);
         for road in roads {
-            self.builder.object(road.name.clone(), SemanticClass::Road);
+            self.builder
+                .begin_object(road.name.clone(), SemanticClass::Road);
             let own = match &road.paint {
                 Some(paint) => self.looks.of_paint(self.builder, paint, self.warnings)?,
                 None => None,
@@ -190,9 +191,9 @@ impl<'a> Emitter<'a> {
             ..Paint::default()
         };
         let (own, tile) = match textured {
-            Some((image, tile)) => (
+            Some(TiledImage { uri, tile }) => (
                 self.looks
-                    .of_paint(self.builder, &paint(image), self.warnings)?,
+                    .of_paint(self.builder, &paint(uri), self.warnings)?,
                 tile,
             ),
             None => (None, 1.0),
@@ -220,7 +221,8 @@ impl<'a> Emitter<'a> {
         painted: Option<Look>,
         setting: &Setting,
     ) -> Result<(), ImportError> {
-        let (path, mesh) = self.load(wanted, setting.model)?;
+        let path = self.file(&wanted.uri, setting.model)?;
+        let mesh = self.load(&path)?;
         let used = |p: &&Part| {
             wanted
                 .submesh
@@ -270,14 +272,14 @@ impl<'a> Emitter<'a> {
         })
     }
 
-    fn load(&mut self, wanted: &MeshUse, model: &str) -> Result<(PathBuf, Rc<Mesh>), ImportError> {
-        let path = self.file(&wanted.uri, model)?;
-        if let Some(mesh) = self.meshes.get(&path) {
-            return Ok((path, mesh.clone()));
+    /// The mesh in a file, which is read once.
+    fn load(&mut self, path: &Path) -> Result<Rc<Mesh>, ImportError> {
+        if let Some(mesh) = self.meshes.get(path) {
+            return Ok(mesh.clone());
         }
-        let mesh = Rc::new(mesh::read(&path)?);
-        self.meshes.insert(path.clone(), mesh.clone());
-        Ok((path, mesh))
+        let mesh = Rc::new(mesh::read(path)?);
+        self.meshes.insert(path.to_owned(), mesh.clone());
+        Ok(mesh)
     }
 
     fn part(&mut self, part: &Part, look: &Look, setting: &Setting) -> Result<(), ImportError> {
@@ -291,9 +293,10 @@ impl<'a> Emitter<'a> {
         }
         let material = self.looks.material(self.builder, look, setting.class);
         let [su, sv] = look.stretch;
-        let place = |(p, [u, v]): &Corner| -> Corner {
-            (
-                setting.pose * Point3::from(p.coords.component_mul(&setting.scale)),
+        let place = |corner: &Corner| {
+            let ([u, v], p) = (corner.uv, corner.position.coords);
+            Corner::new(
+                setting.pose * Point3::from(p.component_mul(&setting.scale)),
                 [u / su, v / sv],
             )
         };
@@ -344,7 +347,10 @@ fn class_of_shape(model: &Model, shape: &Shape) -> SemanticClass {
 
 /// Middle of the box around the parts.
 fn middle_of(parts: &[&Part]) -> Vector3<f64> {
-    let mut points = parts.iter().flat_map(|p| &p.corners).map(|(p, _)| p.coords);
+    let mut points = parts
+        .iter()
+        .flat_map(|p| &p.corners)
+        .map(|c| c.position.coords);
     let Some(first) = points.next() else {
         return Vector3::zeros();
     };

@@ -6,8 +6,9 @@ use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 use openbench_core::MapPoint;
 
-use super::mesh::{Corner, Part};
+use super::mesh::Part;
 use crate::beyond::{Rectangle, beyond};
+use crate::scene::Corner;
 use crate::triangulate::triangulate;
 
 const SEGMENTS: u32 = 24;
@@ -93,8 +94,8 @@ fn quad(part: &mut Part, middle: Vector3<f64>, u: Vector3<f64>, v: Vector3<f64>,
     let repeat = repeat.map(|r| r as f32);
     for (a, b) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
         let at = middle + u * (a - 0.5) + v * (b - 0.5);
-        part.corners
-            .push((at.into(), [a as f32 * repeat[0], b as f32 * repeat[1]]));
+        let uv = [a as f32 * repeat[0], b as f32 * repeat[1]];
+        part.corners.push(Corner::new(at.into(), uv));
     }
     part.triangles
         .extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
@@ -113,7 +114,8 @@ pub(crate) fn cylinder(radius: f64, length: f64) -> Part {
     for (start, top) in [(0, false), (row, true)] {
         let middle = part.corners.len() as u32;
         let z = if top { length / 2.0 } else { -length / 2.0 };
-        part.corners.push((Point3::new(0.0, 0.0, z), [0.5, 0.5]));
+        let middle_corner = Corner::new(Point3::new(0.0, 0.0, z), [0.5, 0.5]);
+        part.corners.push(middle_corner);
         let cap = (start..start + SEGMENTS).map(|i| {
             if top {
                 [middle, i, i + 1]
@@ -162,7 +164,7 @@ pub(crate) fn extrusion(outlines: &[Vec<[f64; 2]>], height: f64, metres: Option<
             let base = part.corners.len() as u32;
             part.corners.extend(order.map(|i: usize| {
                 let MapPoint { x, y } = triangle[i];
-                (Point3::new(x, y, z), [(x / u) as f32, (y / v) as f32])
+                Corner::new(Point3::new(x, y, z), [(x / u) as f32, (y / v) as f32])
             }));
             part.triangles.push([base, base + 1, base + 2]);
         }
@@ -196,7 +198,7 @@ pub(crate) fn sphere(radius: f64) -> Part {
 fn circle_corner(radius: f64, i: u32, z: f64, v: f64) -> Corner {
     let u = f64::from(i) / f64::from(SEGMENTS);
     let (sin, cos) = libm::sincos(TAU * u);
-    (
+    Corner::new(
         Point3::new(radius * cos, radius * sin, z),
         [u as f32, v as f32],
     )
@@ -213,7 +215,7 @@ mod tests {
 
     /// Volume inside the triangles: correct only if every triangle faces outward.
     fn volume(part: &Part) -> f64 {
-        let p = |i: u32| part.corners[i as usize].0.coords;
+        let p = |i: u32| part.corners[i as usize].position.coords;
         part.triangles
             .iter()
             .map(|[a, b, c]| p(*a).dot(&p(*b).cross(&p(*c))) / 6.0)
@@ -241,13 +243,13 @@ mod tests {
     #[test]
     fn a_plane_faces_its_normal_and_is_touched_beyond_its_picture() {
         let part = plane(Vector3::x(), [4.0, 2.0], true, None);
-        let p = |i: usize| part.corners[i].0;
+        let p = |i: usize| part.corners[i].position;
         assert!(((p(1) - p(0)).cross(&(p(2) - p(0))).normalize() - Vector3::x()).norm() < 1e-9);
         let solid = plane(Vector3::z(), [4.0, 2.0], false, None);
         let touched = |x: f64, y: f64| {
             let holds = |q: &[Corner]| {
                 let side = |axis: usize, at: f64| {
-                    let of = |c: &Corner| c.0[axis];
+                    let of = |c: &Corner| c.position[axis];
                     let low = q.iter().map(of).fold(f64::INFINITY, f64::min);
                     (low..=q.iter().map(of).fold(low, f64::max)).contains(&at)
                 };

@@ -16,12 +16,17 @@ use super::xml::{child, children, malformed, numbers};
 
 const MAX_CHAIN: usize = 64;
 
-/// A pose, and the frame that it is given in; `None` is the enclosing model or world.
-type Relative = (Pose3, Option<String>);
+/// A pose in a frame.
+#[derive(Debug)]
+pub(crate) struct RelativePose {
+    pub(crate) pose: Pose3,
+    /// Name of the frame; `None` is the enclosing model or world.
+    frame: Option<String>,
+}
 
 /// The frames directly in one `<model>` or `<world>`.
 #[derive(Debug, Default)]
-pub(crate) struct Frames(BTreeMap<String, Relative>);
+pub(crate) struct Frames(BTreeMap<String, RelativePose>);
 
 impl Frames {
     /// Collects the frames of `scope`: links, frames and models in it.
@@ -32,10 +37,9 @@ impl Frames {
                 let Some(name) = node.attribute("name") else {
                     continue;
                 };
-                let (pose, relative) = pose_of(path, node)?;
-                let relative =
-                    relative.or_else(|| node.attribute("attached_to").map(str::to_owned));
-                frames.insert(name.to_owned(), (pose, relative));
+                let RelativePose { pose, frame } = pose_of(path, node)?;
+                let frame = frame.or_else(|| node.attribute("attached_to").map(str::to_owned));
+                frames.insert(name.to_owned(), RelativePose { pose, frame });
             }
         }
         Ok(Self(frames))
@@ -48,9 +52,10 @@ impl Frames {
         node: Node,
         warnings: &mut Warnings,
     ) -> Result<Option<Pose3>, ImportError> {
-        match pose_of(path, node)? {
-            (_, None) => Ok(None),
-            (pose, Some(frame)) => Ok(Some(self.origin(path, node, &frame, warnings)? * pose)),
+        let RelativePose { pose, frame } = pose_of(path, node)?;
+        match frame {
+            None => Ok(None),
+            Some(frame) => Ok(Some(self.origin(path, node, &frame, warnings)? * pose)),
         }
     }
 
@@ -68,14 +73,14 @@ impl Frames {
             let Some(name) = next.filter(|n| !matches!(*n, "" | "__model__" | "world")) else {
                 return Ok(pose);
             };
-            let Some((own, relative)) = self.0.get(name) else {
+            let Some(own) = self.0.get(name) else {
                 warnings.add(format!(
                     "frame `{name}` is not in its model; the model's own frame is used"
                 ));
                 return Ok(pose);
             };
-            pose = own * pose;
-            next = relative.as_deref();
+            pose = own.pose * pose;
+            next = own.frame.as_deref();
         }
         Err(malformed(
             path,
@@ -85,18 +90,21 @@ impl Frames {
     }
 }
 
-/// The `<pose>` of `node`, and the frame that it refers to. Without `<pose>` it is the identity.
-pub(crate) fn pose_of(path: &Path, node: Node) -> Result<Relative, ImportError> {
+/// The `<pose>` of `node`. Without `<pose>` it is the identity.
+pub(crate) fn pose_of(path: &Path, node: Node) -> Result<RelativePose, ImportError> {
     let Some(pose) = child(node, "pose") else {
-        return Ok((Pose3::identity(), None));
+        return Ok(RelativePose {
+            pose: Pose3::identity(),
+            frame: None,
+        });
     };
     let frame = pose
         .attribute("relative_to")
         .or_else(|| pose.attribute("frame"));
-    Ok((
-        parse_pose(path, pose)?,
-        frame.filter(|f| !f.is_empty()).map(str::to_owned),
-    ))
+    Ok(RelativePose {
+        pose: parse_pose(path, pose)?,
+        frame: frame.filter(|f| !f.is_empty()).map(str::to_owned),
+    })
 }
 
 /// `x y z roll pitch yaw`: metres and radians, or degrees if the element has `degrees`.

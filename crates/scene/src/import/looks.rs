@@ -56,8 +56,15 @@ impl Look {
 
 type Script = Rc<BTreeMap<String, OgreMaterial>>;
 
-/// What distinguishes materials: class, colour, image, holes.
-type MaterialKey = (SemanticClass, [u32; 3], Option<TextureId>, bool);
+/// What distinguishes materials.
+#[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct MaterialKey {
+    class: SemanticClass,
+    /// The bits of the colour: floating-point numbers have no total order.
+    color: [u32; 3],
+    texture: Option<TextureId>,
+    cutout: bool,
+}
 
 /// Makes looks, and keeps those that it made.
 pub(crate) struct Looks<'a> {
@@ -90,12 +97,12 @@ impl<'a> Looks<'a> {
         look: &Look,
         class: SemanticClass,
     ) -> MaterialId {
-        let key = (
+        let key = MaterialKey {
             class,
-            look.color.map(f32::to_bits),
-            look.texture,
-            look.cutout,
-        );
+            color: look.color.map(f32::to_bits),
+            texture: look.texture,
+            cutout: look.cutout,
+        };
         *self.materials.entry(key).or_insert_with(|| {
             let plain = Material::plain(class, look.color);
             builder.material(Material {

@@ -138,7 +138,7 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     emitter.roads(&world.roads)?;
     add_doors(&mut builder, &plates, &map, &mut warnings);
     if let Some(sun) = world.sun {
-        builder.sun(sun);
+        builder.set_sun(sun);
     }
     Ok(World {
         name: request

@@ -141,7 +141,7 @@ pub(crate) fn add_doors(
         let face = *faces
             .entry(plate.unit)
             .or_insert_with(|| plate_material(builder, &text));
-        builder.object(format!("plate of {address}"), SemanticClass::Plate);
+        builder.begin_object(format!("plate of {address}"), SemanticClass::Plate);
         hang_plate(builder, face, &plate.pose, STANDS_OUT_M);
         let at = plate.pose.translation.vector.into();
         builder.door(Door {

@@ -124,7 +124,7 @@ impl SdfReader<'_> {
         }
         Ok(Model {
             name: node.attribute("name").unwrap_or("unnamed").to_owned(),
-            pose: pose_of(place.path, node)?.0,
+            pose: pose_of(place.path, node)?.pose,
             scale: Vector3::repeat(1.0),
             links,
             models: self.models_in(place, node)?,
@@ -133,7 +133,7 @@ impl SdfReader<'_> {
 
     fn link(&mut self, place: Place, frames: &Frames, node: Node) -> Result<Link, ImportError> {
         let own = frames.explicit(place.path, node, self.warnings)?;
-        let pose = own.map_or_else(|| pose_of(place.path, node).map(|(p, _)| p), Ok)?;
+        let pose = own.map_or_else(|| pose_of(place.path, node).map(|p| p.pose), Ok)?;
         let mut shapes = Vec::new();
         for child in node
             .children()
@@ -144,7 +144,7 @@ impl SdfReader<'_> {
             };
             let in_model = frames.explicit(place.path, child, self.warnings)?;
             let own = in_model.map_or_else(
-                || pose_of(place.path, child).map(|(p, _)| p),
+                || pose_of(place.path, child).map(|p| p.pose),
                 |p| Ok(pose.inverse() * p),
             )?;
             let visual = is(child, "visual");
@@ -200,7 +200,7 @@ impl SdfReader<'_> {
         };
         model.name = name;
         if child(node, "pose").is_some() {
-            model.pose = pose_of(place.path, node)?.0;
+            model.pose = pose_of(place.path, node)?.pose;
         }
         Ok(Some(model))
     }

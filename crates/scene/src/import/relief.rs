@@ -9,6 +9,7 @@ use super::forms;
 use super::images::Grey;
 use super::mesh::Part;
 use super::sdf::{Heightmap, ImageShape};
+use crate::scene::Corner;
 
 /// Most boxes of one image.
 pub(crate) const MAX_BOXES: usize = 100_000;
@@ -35,8 +36,8 @@ pub(crate) fn surface(image: &Grey, shape: &Heightmap, tile: f64) -> Part {
             let y = shape.size.y / 2.0 - row as f64 * dy;
             let z = f64::from(image.values[row * image.width + column]) * scale;
             let at = Point3::new(x, y, z) + shape.position;
-            part.corners
-                .push((at, [(x / tile) as f32, (y / tile) as f32]));
+            let uv = [(x / tile) as f32, (y / tile) as f32];
+            part.corners.push(Corner::new(at, uv));
         }
     }
     let width = image.width as u32;
@@ -70,8 +71,8 @@ pub(crate) fn boxes(image: &Grey, shape: &ImageShape) -> Option<Part> {
         );
         let cuboid = forms::cuboid(size, None);
         let base = part.corners.len() as u32;
-        part.corners
-            .extend(cuboid.corners.into_iter().map(|(at, uv)| (at + middle, uv)));
+        let moved = |corner: Corner| Corner::new(corner.position + middle, corner.uv);
+        part.corners.extend(cuboid.corners.into_iter().map(moved));
         part.triangles
             .extend(cuboid.triangles.into_iter().map(|t| t.map(|i| base + i)));
     }
@@ -138,7 +139,7 @@ mod tests {
             texture: None,
         };
         let part = surface(&grey(3, &[0.0, 0.1, 0.5, 0.0, 0.0, 0.0]), &shape, 2.0);
-        let at = |i: u32| part.corners[i as usize].0;
+        let at = |i: u32| part.corners[i as usize].position;
         assert_eq!(
             at(0),
             Point3::new(-3.0, 2.0, -1.0),
@@ -173,8 +174,16 @@ mod tests {
             height: 2.0,
         };
         let part = boxes(&image, &shape).unwrap();
-        let highest = part.corners.iter().map(|(p, _)| p.z).fold(0.0, f64::max);
-        let west = part.corners.iter().map(|(p, _)| p.x).fold(0.0, f64::min);
+        let highest = part
+            .corners
+            .iter()
+            .map(|c| c.position.z)
+            .fold(0.0, f64::max);
+        let west = part
+            .corners
+            .iter()
+            .map(|c| c.position.x)
+            .fold(0.0, f64::min);
         assert_eq!((part.triangles.len(), highest, west), (3 * 12, 2.0, -1.0));
         let checked: Vec<f32> = (0..640 * 640)
             .map(|i| ((i % 640 + i / 640) % 2) as f32)

@@ -8,6 +8,7 @@ use nalgebra::{Point3, Vector2};
 
 use super::mesh::Part;
 use super::sdf::Road;
+use crate::scene::Corner;
 
 /// At joints sharper than this the ribbon is cut square, since a mitre would be a long spike.
 const MAX_MITRE: f64 = 3.0;
@@ -47,7 +48,8 @@ pub(crate) fn ribbon(road: &Road, shift: f64, repeat: f64) -> Part {
         let side = mitre(before, after) * (road.width / 2.0);
         for (offset, u) in [(side, 0.0), (-side, 1.0)] {
             let at = Point3::new(p[0] + offset.x, p[1] + offset.y, p[2] + shift);
-            part.corners.push((at, [u, (along / repeat) as f32]));
+            let uv = [u, (along / repeat) as f32];
+            part.corners.push(Corner::new(at, uv));
         }
     }
     for i in 1..points.len() as u32 {
@@ -116,7 +118,7 @@ mod tests {
             0.0,
             8.0,
         );
-        let at = |i: usize| part.corners[i].0;
+        let at = |i: usize| part.corners[i].position;
         assert!(
             (at(2) - Point3::new(8.0, 2.0, 0.0)).norm() < 1e-9,
             "{}",
@@ -127,7 +129,7 @@ mod tests {
             "{}",
             at(3)
         );
-        assert!((part.corners[5].1[1] - 2.5).abs() < 1e-6);
+        assert!((part.corners[5].uv[1] - 2.5).abs() < 1e-6);
         for [a, b, c] in &part.triangles {
             let [a, b, c] = [a, b, c].map(|i| at(*i as usize));
             assert!((b - a).cross(&(c - a)).z > 0.0, "faces up");
@@ -141,7 +143,7 @@ mod tests {
             0.0,
             8.0,
         );
-        assert!(part.corners.iter().all(|(p, _)| p.coords.norm() < 10.0));
+        assert!(part.corners.iter().all(|c| c.position.coords.norm() < 10.0));
         assert!(
             ribbon(&road(&[[0.0; 3], [0.0; 3]]), 0.0, 8.0)
                 .triangles

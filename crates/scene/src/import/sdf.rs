@@ -103,8 +103,17 @@ pub(crate) struct Heightmap {
     pub(crate) size: Vector3<f64>,
     /// Its middle.
     pub(crate) position: Vector3<f64>,
-    /// Image on it, and the size of one repeat of that, metres.
-    pub(crate) texture: Option<(String, f64)>,
+    /// Image on it.
+    pub(crate) texture: Option<TiledImage>,
+}
+
+/// An image that repeats over a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TiledImage {
+    /// Path of the image as in the world file.
+    pub(crate) uri: String,
+    /// Size of one repeat, metres.
+    pub(crate) tile: f64,
 }
 
 /// The dark pixels of an image, extruded.

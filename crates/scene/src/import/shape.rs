@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use roxmltree::Node;
 
 use super::error::ImportError;
-use super::sdf::{Geometry, Heightmap, ImageShape, MeshUse, Paint};
+use super::sdf::{Geometry, Heightmap, ImageShape, MeshUse, Paint, TiledImage};
 use super::warnings::Warnings;
 use super::xml::{child, child_color, child_numbers, child_text, children, malformed, numbers};
 
@@ -127,7 +127,9 @@ fn read_heightmap(path: &Path, node: Node) -> Result<Heightmap, ImportError> {
         uri: uri_of(path, node)?,
         size,
         position: child_numbers::<3>(path, node, "pos")?.map_or(Vector3::zeros(), Vector3::from),
-        texture: image.filter(|_| tile > 0.0).map(|image| (image, tile)),
+        texture: image
+            .filter(|_| tile > 0.0)
+            .map(|uri| TiledImage { uri, tile }),
     })
 }
 

@@ -33,7 +33,7 @@ fn directional(path: &Path, world: Node, light: Node) -> Result<Sun, ImportError
     let mean = |c: [f32; 3]| (c[0] + c[1] + c[2]) / 3.0;
     let direction =
         child_numbers::<3>(path, light, "direction")?.map_or(-Vector3::z(), Vector3::from);
-    let turned = pose_of(path, light)?.0.rotation * direction;
+    let turned = pose_of(path, light)?.pose.rotation * direction;
     let unit = turned.try_normalize(1e-9).unwrap_or(-Vector3::z());
     let ambient = child(world, "scene")
         .map(|s| child_color(path, s, "ambient"))

@@ -29,13 +29,14 @@ fn world(walls: &[Wall]) -> RayCaster {
         Layer::Both,
         ground,
         Point3::new(-200.0, -200.0, 0.0),
-        (x, y),
+        x,
+        y,
         [1.0; 2],
     );
     for Wall { from, edge, height } in walls {
         let at = Point3::new(from[0], from[1], 0.0);
-        let sides = (Vector3::new(edge[0], edge[1], 0.0), Vector3::z() * *height);
-        builder.rectangle(Layer::Both, brick, at, sides, [1.0; 2]);
+        let (along, up) = (Vector3::new(edge[0], edge[1], 0.0), Vector3::z() * *height);
+        builder.rectangle(Layer::Both, brick, at, along, up, [1.0; 2]);
     }
     RayCaster::new(Arc::new(builder.build()))
 }
@@ -141,12 +142,12 @@ fn a_street_canyon_blocks_satellites_and_reflects_others() {
 fn under_a_roof_there_is_no_fix() {
     let mut builder = SceneBuilder::new();
     let tin = builder.material(Material::plain(SemanticClass::Building, [0.6; 3]));
-    let sides = (Vector3::x() * 80.0, Vector3::y() * 80.0);
     builder.rectangle(
         Layer::Both,
         tin,
         Point3::new(-40.0, -40.0, 3.0),
-        sides,
+        Vector3::x() * 80.0,
+        Vector3::y() * 80.0,
         [1.0; 2],
     );
     assert_eq!(stand(&RayCaster::new(Arc::new(builder.build()))).fixes, 0);

@@ -24,7 +24,7 @@ use pattern::{Aim, FIRING_NS, LINES, Pattern, VOLLEY};
 use returns::{Echo, MAX_RANGE_M, MIN_RANGE_M, detection, deviation};
 
 /// Rays in a scan.
-pub const RAYS: usize = 20_000;
+pub const RAYS_PER_SCAN: usize = 20_000;
 /// Duration of a scan, nanoseconds.
 pub(crate) const SCAN_NS: u64 = 100_000_000;
 
@@ -48,10 +48,10 @@ impl Lidar {
             noise,
             pattern: Pattern::new(),
             fired: 0,
-            aims: vec![Aim::default(); RAYS],
+            aims: vec![Aim::default(); RAYS_PER_SCAN],
             launch: Launch::default(),
-            order: CastingOrder::new(RAYS),
-            echoes: vec![Echo::NONE; RAYS],
+            order: CastingOrder::new(RAYS_PER_SCAN),
+            echoes: vec![Echo::NONE; RAYS_PER_SCAN],
         }
     }
 
@@ -71,7 +71,7 @@ impl Lidar {
     /// True ranges of the next scan's rays in the order of firing, metres; 0 where nothing is hit.
     /// Holes in leaves are ignored. For comparing speeds.
     pub fn ranges(&mut self, tree: &TriangleBvh, poses: &[Pose3]) -> Vec<f32> {
-        let mut ranges = vec![0.0; RAYS];
+        let mut ranges = vec![0.0; RAYS_PER_SCAN];
         widest(Ranges {
             lidar: self,
             tree,
@@ -91,7 +91,7 @@ impl Lidar {
             aims.copy_from_slice(&volley.as_flattened()[..aims.len()]);
             self.order.note(LINES * VOLLEY * i, aims);
         }
-        self.fired += (RAYS / LINES) as u64;
+        self.fired += (RAYS_PER_SCAN / LINES) as u64;
         self.order.sort();
     }
 
@@ -136,14 +136,14 @@ impl Lidar {
     /// The points that the sensor reports: ranges with noise, of the rays that are detected.
     #[inline(always)]
     fn measure(&mut self) -> Vec<LidarPoint> {
-        let mut points = Vec::with_capacity(RAYS);
+        let mut points = Vec::with_capacity(RAYS_PER_SCAN);
         for (ray, (echo, aim)) in (0_u32..).zip(self.echoes.iter().zip(&self.aims)) {
             // Drawn for every ray, so that one ray's hit does not change the noise of the next.
-            let (noise, chance) = self.noise.quick_normal_and_uniform();
-            if chance >= echo.detection {
+            let drawn = self.noise.quick();
+            if drawn.uniform >= echo.detection {
                 continue;
             }
-            let range = (echo.range + echo.deviation * noise).max(MIN_RANGE_M);
+            let range = (echo.range + echo.deviation * drawn.normal).max(MIN_RANGE_M);
             points.push(LidarPoint {
                 xyz: aim.direction.map(|c| c * range),
                 offset_ns: ray / LINES as u32 * FIRING_NS as u32,
@@ -295,7 +295,8 @@ mod tests {
                 Layer::Visible,
                 wall,
                 origin,
-                (u * 2.0 * half, z * 100.0),
+                u * 2.0 * half,
+                z * 100.0,
                 [1.0; 2],
             );
         }
@@ -307,7 +308,11 @@ mod tests {
         let caster = room(5.0);
         let poses = vec![Pose3::identity(); 3];
         let scan = scan(&mut Lidar::new(Noise::new(1, 1)), &caster, &poses);
-        assert!(scan.points.len() > RAYS * 90 / 100, "{}", scan.points.len());
+        assert!(
+            scan.points.len() > RAYS_PER_SCAN * 90 / 100,
+            "{}",
+            scan.points.len()
+        );
         let errors: Vec<f32> = scan
             .points
             .iter()

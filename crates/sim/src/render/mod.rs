@@ -62,7 +62,7 @@ pub struct Labels {
 /// let mut builder = SceneBuilder::new();
 /// let wall = builder.material(Material::plain(SemanticClass::Wall, [0.6; 3]));
 /// let corner = Point3::new(5.0, -0.5, -0.5);
-/// builder.rectangle(Layer::Visible, wall, corner, (Vector3::y(), Vector3::z()), [1.0; 2]);
+/// builder.rectangle(Layer::Visible, wall, corner, Vector3::y(), Vector3::z(), [1.0; 2]);
 /// let renderer = Renderer::new(RayCaster::new(Arc::new(builder.build())));
 ///
 /// let view = View {
@@ -261,13 +261,14 @@ mod tests {
     fn renderer() -> Renderer {
         let mut builder = SceneBuilder::new();
         let red = builder.material(Material::plain(SemanticClass::Other, [1.0, 0.0, 0.0]));
-        builder.object("square", SemanticClass::Other);
+        builder.begin_object("square", SemanticClass::Other);
         let (u, v) = (Vector3::y() * 2.0, Vector3::z() * 2.0);
         builder.rectangle(
             Layer::Visible,
             red,
             Point3::new(5.0, 0.0, 0.0),
-            (u, v),
+            u,
+            v,
             [1.0; 2],
         );
         Renderer::new(RayCaster::new(Arc::new(builder.build())))
@@ -375,17 +376,19 @@ mod tests {
             Layer::Visible,
             grey,
             Point3::new(-50.0, -50.0, 0.0),
-            (x * 100.0, y * 100.0),
+            x * 100.0,
+            y * 100.0,
             [1.0; 2],
         );
         builder.rectangle(
             Layer::Visible,
             grey,
             Point3::new(5.0, -2.0, 5.0),
-            (x * 4.0, y * 4.0),
+            x * 4.0,
+            y * 4.0,
             [1.0; 2],
         );
-        builder.sun(openbench_scene::Sun {
+        builder.set_sun(openbench_scene::Sun {
             direction: [0.0, 0.0, -1.0],
             ..Default::default()
         });

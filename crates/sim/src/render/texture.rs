@@ -94,8 +94,9 @@ pub(super) fn corners(uv: &[Block; 2], size: &[[u32; BLOCK]; 2]) -> Corners {
     for axis in 0..2 {
         for i in 0..BLOCK {
             let place = if axis == 0 { uv[0][i] } else { 1.0 - uv[1][i] };
-            let (first, second, w) = neighbours(fraction(place), size[axis][i]);
-            (beside[axis][0][i], beside[axis][1][i], weight[axis][i]) = (first, second, w);
+            let pair = neighbours(fraction(place), size[axis][i]);
+            (beside[axis][0][i], beside[axis][1][i]) = (pair.first, pair.second);
+            weight[axis][i] = pair.weight;
         }
     }
     let mut index = [[0; BLOCK]; 4];
@@ -132,17 +133,28 @@ pub(super) fn blend(packed: &[[u32; BLOCK]; 4], corners: &Corners) -> [Block; 3]
     [red, green, blue]
 }
 
-/// The two texels beside a place in a row of `size` that repeats, and the weight of the second in
-/// sixteenths.
+/// The two texels beside a place in a row.
+struct TexelPair {
+    first: u32,
+    second: u32,
+    /// Of the second, in [`STEPS`].
+    weight: u32,
+}
+
+/// The two texels beside a place in a row of `size` that repeats.
 #[inline(always)]
-fn neighbours(place: f32, size: u32) -> (u32, u32, u32) {
+fn neighbours(place: f32, size: u32) -> TexelPair {
     // One texel is added, so that no number is below zero.
     let steps = whole(place * (size * STEPS) as i32 as f32 + (STEPS / 2) as f32);
     let (after, weight) = (steps / STEPS, steps % STEPS);
     let first = if after == 0 { size - 1 } else { after - 1 };
     let first = if first < size { first } else { size - 1 };
     let second = if first + 1 == size { 0 } else { first + 1 };
-    (first, second, weight)
+    TexelPair {
+        first,
+        second,
+        weight,
+    }
 }
 
 fn halved(image: &Texture) -> Texture {

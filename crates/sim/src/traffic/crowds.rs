@@ -26,7 +26,7 @@ impl Walkway {
     fn new(width: f64, people: usize, two_ways: bool, seed: u64) -> Self {
         let map = street(&(tag("highway", "footway") + &tag("width", &width.to_string())));
         let free =
-            |p: MapPoint| p.y.abs() < width / 2.0 - PERSON_RADIUS && (-1.0..101.0).contains(&p.x);
+            |p: MapPoint| p.y.abs() < width / 2.0 - PERSON_RADIUS_M && (-1.0..101.0).contains(&p.x);
         let plan = TrafficPlan {
             pedestrians: people,
             cars: 0,

@@ -4,7 +4,7 @@
 
 use nalgebra::{Point3, Vector3};
 use openbench_scene::scene::Layer;
-use openbench_scene::{Material, MaterialId, Scene, SceneBuilder, SemanticClass};
+use openbench_scene::{Corner, Material, MaterialId, Scene, SceneBuilder, SemanticClass};
 
 use super::gait::{HEEL_M, Leg, PHASES, TOE_M, arm_swing, opposite, swung};
 
@@ -165,7 +165,7 @@ impl Figure {
         let top = [leg.upon_sole(-HEEL_M, 0.09), leg.upon_sole(TOE_M, 0.04)];
         let [[a, b], [e, f]] = leg.sole().map(|p| across(p, 0.045));
         let [[d, c], [h, g]] = top.map(|p| across(p, 0.04));
-        let corners = [a, b, c, d, e, f, g, h].map(|p| (p, [0.0; 2]));
+        let corners = [a, b, c, d, e, f, g, h].map(|p| Corner::new(p, [0.0; 2]));
         let sides = [
             [0, 5, 4],
             [0, 1, 5],
@@ -211,7 +211,7 @@ impl Figure {
                 let turn = (f64::from(k) + 0.5) / f64::from(sides);
                 let (sin, cos) = libm::sincos(std::f64::consts::TAU * turn);
                 let corner = middle + Vector3::new(half[0] * cos, half[1] * sin, 0.0);
-                corners.push((corner, [0.0; 2]));
+                corners.push(Corner::new(corner, [0.0; 2]));
             }
         }
         let last = sides * (rings.len() as u32 - 1);
@@ -235,17 +235,14 @@ impl Figure {
     }
 }
 
-/// Lowest and highest coordinates of a figure.
+/// The box around a figure.
 #[cfg(test)]
-pub(super) fn bounds(scene: &Scene) -> ([f32; 3], [f32; 3]) {
-    let start = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    scene.vertices.iter().fold(start, |(low, high), v| {
-        let p = v.position;
-        (
-            [0, 1, 2].map(|k| low[k].min(p[k])),
-            [0, 1, 2].map(|k| high[k].max(p[k])),
-        )
-    })
+pub(super) fn bounds(scene: &Scene) -> openbench_scene::bvh::Bounds3 {
+    let corner = |i: u32| scene.vertices[i as usize].position;
+    let triangles = scene.triangles.iter().map(|t| t.corners.map(corner));
+    openbench_scene::TriangleBvh::new(triangles)
+        .bounds()
+        .expect("a figure has triangles")
 }
 
 #[cfg(test)]
@@ -253,6 +250,7 @@ mod tests {
     use std::sync::Arc;
 
     use openbench_scene::RayCaster;
+    use openbench_scene::bvh::Bounds3;
 
     use super::*;
 
@@ -260,7 +258,10 @@ mod tests {
     fn people_stand_on_the_ground_and_are_as_tall_and_wide_as_people() {
         for phase in 0..PHASES {
             let figure = person(3, phase);
-            let (low, high) = bounds(&figure);
+            let Bounds3 {
+                min: low,
+                max: high,
+            } = bounds(&figure);
             assert!(low[2].abs() < 1e-6, "phase {phase}: {low:?}");
             assert!((1.65..1.85).contains(&high[2]), "phase {phase}: {high:?}");
             assert!(
@@ -318,7 +319,7 @@ mod tests {
     fn half_a_cycle_mirrors_a_person() {
         let [a, b] = [person(0, 1), person(0, 1 + PHASES / 2)].map(|f| bounds(&f));
         assert!(
-            (a.0[1] + b.1[1]).abs() < 1e-5 && (a.1[0] - b.1[0]).abs() < 1e-5,
+            (a.min[1] + b.max[1]).abs() < 1e-5 && (a.max[0] - b.max[0]).abs() < 1e-5,
             "{a:?} {b:?}"
         );
         assert_ne!(person(0, 0).vertices, person(0, 1).vertices);

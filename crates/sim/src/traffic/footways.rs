@@ -5,11 +5,11 @@
 //! near each other.
 
 use openbench_core::MapPoint;
+use openbench_geometry::line::parallel;
 use openbench_osm::{OsmMap, Road};
 
 use super::ground::Ground;
 use super::neighbours::Neighbours;
-use super::polyline::parallel;
 use super::road_tags::{carriageway, footway_half_width};
 use super::walk_graph::{Pair, Place, WalkGraph};
 

@@ -66,6 +66,7 @@ pub(crate) fn car_figure(look: u32) -> Scene {
 #[cfg(test)]
 mod tests {
     use openbench_scene::SemanticClass;
+    use openbench_scene::bvh::Bounds3;
 
     use super::super::figures::bounds;
     use super::super::hull::{CAR_HALF_LENGTH_M, CAR_HALF_WIDTH_M};
@@ -76,7 +77,10 @@ mod tests {
         let (half_length, half_width) = (CAR_HALF_LENGTH_M as f32, CAR_HALF_WIDTH_M as f32);
         for look in 0..10 {
             let figure = car_figure(look);
-            let (low, high) = bounds(&figure);
+            let Bounds3 {
+                min: low,
+                max: high,
+            } = bounds(&figure);
             let long = high[0] <= half_length + 0.01 && low[0] >= -half_length - 0.01;
             let wide = high[1] <= half_width + 0.03;
             let tall = high[2] < 2.0 && low[2].abs() < 0.02;

@@ -3,6 +3,7 @@
 
 use openbench_core::MapPoint;
 use openbench_geometry::grid::{GridGeometry, in_sight, squared_distances};
+use openbench_geometry::{Bounds, Segment, segments};
 use openbench_osm::OsmMap;
 
 use super::road_tags::carriageway;
@@ -50,10 +51,11 @@ impl Ground {
             clearance,
         };
         for road in &map.roads {
-            if let Some(way) = carriageway(&road.tags) {
-                road.points
-                    .windows(2)
-                    .for_each(|w| ground.pave(w[0], w[1], way.half_width));
+            let Some(way) = carriageway(&road.tags) else {
+                continue;
+            };
+            for segment in segments(&road.points) {
+                ground.pave(segment, way.half_width);
             }
         }
         ground
@@ -102,10 +104,10 @@ impl Ground {
         }
     }
 
-    /// Marks the cells within `half` metres of the segment from `a` to `b` as carriageway.
-    fn pave(&mut self, a: MapPoint, b: MapPoint, half: f64) {
-        let low = MapPoint::new(a.x.min(b.x) - half, a.y.min(b.y) - half);
-        let high = MapPoint::new(a.x.max(b.x) + half, a.y.max(b.y) + half);
+    /// Marks the cells within `half` metres of a segment as carriageway.
+    fn pave(&mut self, segment: Segment, half: f64) {
+        let ends = Bounds::of_point(segment.start).union(Bounds::of_point(segment.end));
+        let Bounds { low, high } = ends.grown(half);
         let Some((columns, rows)) = self.grid.window(low, high) else {
             return;
         };
@@ -114,51 +116,22 @@ impl Ground {
                 let Some(cell) = self.grid.cell_in(column, row) else {
                     continue;
                 };
-                let center = self.grid.center(cell);
-                self.road[cell] = self.road[cell] || distance_to_segment(center, a, b) <= half;
+                let away = segment.distance_to_point(self.grid.center(cell));
+                self.road[cell] = self.road[cell] || away <= half;
             }
         }
     }
-}
-
-/// Metres from `p` to the segment from `a` to `b`.
-fn distance_to_segment(p: MapPoint, a: MapPoint, b: MapPoint) -> f64 {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let square = dx * dx + dy * dy;
-    let share = if square > 0.0 {
-        ((p.x - a.x) * dx + (p.y - a.y) * dy) / square
-    } else {
-        0.0
-    };
-    let share = share.clamp(0.0, 1.0);
-    p.distance(MapPoint::new(a.x + share * dx, a.y + share * dy))
 }
 
 /// A grid over a map's buildings and roads, as far as traffic moves.
 fn covering(map: &OsmMap, start: MapPoint) -> GridGeometry {
     let buildings = map.buildings.iter().flat_map(|b| &b.polygon.outer);
     let points = buildings.chain(map.roads.iter().flat_map(|r| &r.points));
-    let (mut low, mut high) = (start, start);
-    for p in points {
-        low = MapPoint::new(low.x.min(p.x), low.y.min(p.y));
-        high = MapPoint::new(high.x.max(p.x), high.y.max(p.y));
-    }
-    let below = |v: f64, s: f64| (v - MARGIN_M).max(s - REACH_M);
-    let above = |v: f64, s: f64| (v + MARGIN_M).min(s + REACH_M);
-    let low = MapPoint::new(below(low.x, start.x), below(low.y, start.y));
-    let high = MapPoint::new(above(high.x, start.x), above(high.y, start.y));
+    let around_start = Bounds::of_point(start);
+    let mapped = points
+        .map(|p| Bounds::of_point(*p))
+        .fold(around_start, Bounds::union)
+        .grown(MARGIN_M);
+    let Bounds { low, high } = mapped.intersection(around_start.grown(REACH_M));
     GridGeometry::covering(low, high, CELL_M, (2.0 * REACH_M / CELL_M) as usize)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn distances_to_a_segment_end_at_its_ends() {
-        let (a, b) = (MapPoint::new(0.0, 0.0), MapPoint::new(4.0, 0.0));
-        assert_eq!(distance_to_segment(MapPoint::new(2.0, 3.0), a, b), 3.0);
-        assert_eq!(distance_to_segment(MapPoint::new(7.0, 4.0), a, b), 5.0);
-        assert_eq!(distance_to_segment(MapPoint::new(3.0, 4.0), a, a), 5.0);
-    }
 }

@@ -10,13 +10,14 @@ use std::ops::Range;
 
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::line::length;
 use openbench_osm::OsmMap;
 
 use super::ground::Ground;
 use super::hull::CAR_HALF_WIDTH_M;
-use super::mover::PERSON_RADIUS;
+use super::mover::PERSON_RADIUS_M;
 use super::piece::{Piece, SPACING_M};
-use super::polyline::{length, offset_point, offset_points, resampled, trimmed};
+use super::polyline::{offset_point, offset_points, resampled, trimmed};
 use super::streets::{Street, StreetNetwork};
 
 /// Least distance of a car from obstacles beside its lane, metres.
@@ -279,7 +280,7 @@ fn farthest_from(nominal: f64, values: &[f64]) -> f64 {
 
 /// Whether a car's width fits at a point of its lane.
 fn is_clear(point: MapPoint, ground: &Ground) -> bool {
-    ground.clearance(point).distance >= CAR_HALF_WIDTH_M + BESIDE_M - PERSON_RADIUS
+    ground.clearance(point).distance >= CAR_HALF_WIDTH_M + BESIDE_M - PERSON_RADIUS_M
 }
 
 /// The parts of a lane between the junctions `from` and `to` without obstacles. Each part hangs

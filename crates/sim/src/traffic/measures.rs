@@ -23,15 +23,15 @@ const ENCOUNTER_ENDS_S: f64 = 2.0;
 
 /// The measures over an episode.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Totals {
+pub struct EncounterTotals {
     /// Seconds measured.
     pub seconds: f64,
     /// Smallest distance between the robot's hull and a person's, metres; infinite without people.
-    pub nearest_person: f64,
+    pub nearest_person_m: f64,
     /// Smallest distance between the robot's hull and a car's, metres; infinite without cars.
-    pub nearest_car: f64,
+    pub nearest_car_m: f64,
     /// Smallest time to collision, seconds; infinite if no mover was ever on a collision course.
-    pub least_time_to_collision: f64,
+    pub least_time_to_collision_s: f64,
     /// Seconds with somebody in [intimate space](INTIMATE_M).
     pub intimate_seconds: f64,
     /// Seconds with somebody in [personal space](PERSONAL_M), intimate space included.
@@ -42,13 +42,13 @@ pub struct Totals {
     pub near_misses_cars: usize,
 }
 
-impl Default for Totals {
+impl Default for EncounterTotals {
     fn default() -> Self {
         Self {
             seconds: 0.0,
-            nearest_person: f64::INFINITY,
-            nearest_car: f64::INFINITY,
-            least_time_to_collision: f64::INFINITY,
+            nearest_person_m: f64::INFINITY,
+            nearest_car_m: f64::INFINITY,
+            least_time_to_collision_s: f64::INFINITY,
             intimate_seconds: 0.0,
             personal_seconds: 0.0,
             near_misses_people: 0,
@@ -79,13 +79,13 @@ impl Default for Totals {
 /// let mut encounters = Encounters::new();
 /// encounters.update(0.05, &robot, &[person]);
 /// let totals = encounters.totals();
-/// assert!((totals.nearest_person - 1.53).abs() < 1e-9);
-/// assert!((totals.least_time_to_collision - 1.53 / 1.2).abs() < 1e-9);
+/// assert!((totals.nearest_person_m - 1.53).abs() < 1e-9);
+/// assert!((totals.least_time_to_collision_s - 1.53 / 1.2).abs() < 1e-9);
 /// assert_eq!(totals.near_misses_people, 1);
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Encounters {
-    totals: Totals,
+    totals: EncounterTotals,
     /// For each mover: seconds until its near miss is over; 0 if it is in none.
     open: Vec<f64>,
 }
@@ -109,12 +109,12 @@ impl Encounters {
             let distance = distance(robot, mover);
             let time = time_to_collision(robot, mover);
             let totals = &mut self.totals;
-            totals.least_time_to_collision = totals.least_time_to_collision.min(time);
+            totals.least_time_to_collision_s = totals.least_time_to_collision_s.min(time);
             let (closest, near_misses) = match mover.kind {
                 MoverKind::Pedestrian => {
-                    (&mut totals.nearest_person, &mut totals.near_misses_people)
+                    (&mut totals.nearest_person_m, &mut totals.near_misses_people)
                 }
-                MoverKind::Car => (&mut totals.nearest_car, &mut totals.near_misses_cars),
+                MoverKind::Car => (&mut totals.nearest_car_m, &mut totals.near_misses_cars),
             };
             *closest = closest.min(distance);
             if mover.kind == MoverKind::Pedestrian {
@@ -139,7 +139,7 @@ impl Encounters {
     }
 
     /// The measures so far.
-    pub fn totals(&self) -> Totals {
+    pub fn totals(&self) -> EncounterTotals {
         self.totals
     }
 }
@@ -305,7 +305,9 @@ mod tests {
         );
         let totals = encounters.totals();
         assert_eq!((totals.near_misses_people, totals.near_misses_cars), (2, 0));
-        assert!((totals.nearest_person - 0.4).abs() < 1e-12 && totals.nearest_car == f64::INFINITY);
+        assert!(
+            (totals.nearest_person_m - 0.4).abs() < 1e-12 && totals.nearest_car_m == f64::INFINITY
+        );
         assert_eq!(
             (totals.intimate_seconds, totals.personal_seconds),
             (0.5, 2.0)
@@ -322,9 +324,9 @@ mod tests {
         encounters.update(0.1, &robot(0.0, 0.0), &[gone]);
         assert_eq!(
             encounters.totals(),
-            Totals {
+            EncounterTotals {
                 seconds: 0.1,
-                ..Totals::default()
+                ..EncounterTotals::default()
             }
         );
     }

@@ -60,8 +60,8 @@ use lanes::Lanes;
 use pedestrians::{Pedestrians, Surroundings};
 
 pub(crate) use gallery::{Gallery, car_figure};
-pub use measures::{Encounters, INTIMATE_M, NEAR_MISS_S, PERSONAL_M, Totals};
-pub use mover::{Hull, Mover, MoverKind, PERSON_RADIUS, RobotState};
+pub use measures::{EncounterTotals, Encounters, INTIMATE_M, NEAR_MISS_S, PERSONAL_M};
+pub use mover::{Hull, Mover, MoverKind, PERSON_RADIUS_M, RobotState};
 pub use plan::TrafficPlan;
 pub(crate) use yielding::RobotWatch;
 
@@ -114,7 +114,7 @@ impl Traffic {
     /// Up to as many people and cars as in `plan`, at places drawn from `seed`; fewer where the map
     /// has no footways or roads for them, see [`placed`](Self::placed).
     ///
-    /// `free` tells whether a disc of [`PERSON_RADIUS`] fits at a point. It is asked once for each
+    /// `free` tells whether a disc of [`PERSON_RADIUS_M`] fits at a point. It is asked once for each
     /// cell of a grid within 300 m of `start`, the robot's place, near which nobody is placed. Cars
     /// also need it to be true on carriageways.
     pub fn new(

@@ -4,7 +4,7 @@ use openbench_core::{MapPoint, Pose2};
 
 /// Radius of a person, metres: the argument `free` of [`Traffic::new`](super::Traffic::new) tells
 /// where a disc of this radius fits.
-pub const PERSON_RADIUS: f64 = 0.25;
+pub const PERSON_RADIUS_M: f64 = 0.25;
 
 /// The robot as people and cars see it: a disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +91,7 @@ impl Mover {
             pose: Pose2::default(),
             velocity: [0.0; 2],
             hull: Hull::Disc {
-                radius: PERSON_RADIUS,
+                radius: PERSON_RADIUS_M,
             },
             gait: 0.0,
             look: 0,

@@ -12,7 +12,7 @@ use openbench_core::frames::wrap_angle;
 
 use super::ground::Ground;
 use super::hull::CarHull;
-use super::mover::{PERSON_RADIUS, RobotState};
+use super::mover::{PERSON_RADIUS_M, RobotState};
 use super::neighbours::Neighbours;
 use super::social_force::{self, Body, SIGHT_M};
 use super::walk_graph::WalkGraph;
@@ -289,7 +289,7 @@ impl Person {
             position,
             velocity: [0.0; 2],
             yaw: position.bearing_to(footways.point(path[1.min(path.len() - 1)])),
-            radius: 0.2 + (PERSON_RADIUS - 0.2) * noise.uniform(),
+            radius: 0.2 + (PERSON_RADIUS_M - 0.2) * noise.uniform(),
             gait: noise.uniform(),
             desired,
             side: 0.1 + 0.6 * noise.uniform(),
@@ -334,7 +334,7 @@ impl Person {
         );
         let length = from.distance(to).max(1e-9);
         let along = [(to.x - from.x) / length, (to.y - from.y) / length];
-        let right = self.side * (footways.half_width(next) - PERSON_RADIUS).max(0.0);
+        let right = self.side * (footways.half_width(next) - PERSON_RADIUS_M).max(0.0);
         let aside = MapPoint::new(to.x + along[1] * right, to.y - along[0] * right);
         let target = if ground.clearance(aside).distance > 0.1 {
             aside

@@ -2,8 +2,9 @@
 
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::line::length;
 
-use super::polyline::{length, resampled};
+use super::polyline::resampled;
 
 /// Distance between the points of a piece, about, metres.
 pub(super) const SPACING_M: f64 = 1.0;

@@ -1,14 +1,11 @@
-//! Lines through points in `map`: lengths, parts, parallels.
+//! Lines through points in `map`: points along them, parts, and points beside them.
 
 use openbench_core::MapPoint;
+use openbench_geometry::Segment;
+use openbench_geometry::line::{length, parallel};
 
 /// Shortest length by which a direction is divided, metres.
 const SHORTEST_M: f64 = 1e-9;
-
-/// Length of a line, metres.
-pub(super) fn length(line: &[MapPoint]) -> f64 {
-    line.windows(2).map(|w| w[0].distance(w[1])).sum()
-}
 
 /// The point `distance` metres along a line; its last point beyond its end.
 pub(super) fn point_at(line: &[MapPoint], distance: f64) -> MapPoint {
@@ -56,21 +53,6 @@ pub(super) fn resampled(line: &[MapPoint], spacing: f64) -> Vec<MapPoint> {
     points
 }
 
-/// The line moved `offset` metres to its left, with mitred bends.
-pub(super) fn parallel(line: &[MapPoint], offset: f64) -> Vec<MapPoint> {
-    let last = line.len() - 1;
-    (0..line.len())
-        .map(|i| {
-            let (a, b) = (left_of(line, i.max(1) - 1), left_of(line, i.min(last - 1)));
-            let scale = offset / (1.0 + a[0] * b[0] + a[1] * b[1]).max(0.5);
-            MapPoint::new(
-                line[i].x + (a[0] + b[0]) * scale,
-                line[i].y + (a[1] + b[1]) * scale,
-            )
-        })
-        .collect()
-}
-
 /// The line's point number `i` moved `offset` metres to the left of its neighbours' direction.
 pub(super) fn offset_point(line: &[MapPoint], i: usize, offset: f64) -> MapPoint {
     let (a, b) = (line[i.max(1) - 1], line[(i + 1).min(line.len() - 1)]);
@@ -92,17 +74,10 @@ pub(super) fn offset_points(line: &[MapPoint], offsets: &[f64]) -> Vec<MapPoint>
     }
 }
 
-/// Unit vector to the left of segment number `i`.
-fn left_of(line: &[MapPoint], i: usize) -> [f64; 2] {
-    let (a, b) = (line[i], line[i + 1]);
-    let length = a.distance(b).max(SHORTEST_M);
-    [-(b.y - a.y) / length, (b.x - a.x) / length]
-}
-
 /// The point `distance` metres from `a` towards `b`, at most `b`.
 fn towards(a: MapPoint, b: MapPoint, distance: f64) -> MapPoint {
     let share = (distance / a.distance(b).max(SHORTEST_M)).clamp(0.0, 1.0);
-    MapPoint::new(a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share)
+    Segment::new(a, b).at(share)
 }
 
 #[cfg(test)]
@@ -139,16 +114,8 @@ mod tests {
     }
 
     #[test]
-    fn a_parallel_to_the_left_is_mitred() {
+    fn points_at_an_even_distance_are_those_of_a_parallel() {
         let left = parallel(&corner(), 1.0);
-        let expected = [
-            MapPoint::new(0.0, 1.0),
-            MapPoint::new(2.0, 1.0),
-            MapPoint::new(2.0, 4.0),
-        ];
-        for (p, q) in left.iter().zip(expected) {
-            assert!(p.distance(q) < 1e-12, "{left:?}");
-        }
         assert_eq!(offset_points(&corner(), &[1.0; 3]), left);
         assert_eq!(offset_point(&corner(), 0, 1.0), MapPoint::new(0.0, 1.0));
     }

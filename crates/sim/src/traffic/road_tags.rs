@@ -62,7 +62,7 @@ pub(super) fn carriageway(tags: &Tags) -> Option<Carriageway> {
         .map(|l| LANE_M * l);
     let tagged = number(tags, "width").filter(|w| (2.0..=40.0).contains(w));
     let half_width = tagged.or(lanes).unwrap_or(usual.width) / 2.0;
-    let (forward, backward) = directions(tags, highway);
+    let Directions { forward, backward } = directions(tags, highway);
     let fast = matches!(highway, "motorway" | "trunk");
     Some(Carriageway {
         half_width,
@@ -111,14 +111,37 @@ fn is_on_the_ground(tags: &Tags) -> bool {
     !below && !tags.is("area", "yes") && !tags.says("indoor")
 }
 
-/// Whether cars drive in the direction of the way's nodes, and whether they drive against it.
-fn directions(tags: &Tags, highway: &str) -> (bool, bool) {
+/// In which directions cars drive on a way.
+struct Directions {
+    /// In the order of the way's nodes.
+    forward: bool,
+    /// Against that order.
+    backward: bool,
+}
+
+impl Directions {
+    const FORWARD: Self = Self {
+        forward: true,
+        backward: false,
+    };
+    const BACKWARD: Self = Self {
+        forward: false,
+        backward: true,
+    };
+    const BOTH: Self = Self {
+        forward: true,
+        backward: true,
+    };
+}
+
+/// In which directions cars drive. OSM implies `oneway=yes` for roundabouts and motorways.
+fn directions(tags: &Tags, highway: &str) -> Directions {
     match tags.get("oneway") {
-        Some("yes" | "true" | "1") => (true, false),
-        Some("-1" | "reverse") => (false, true),
-        Some("no") => (true, true),
-        _ if tags.is("junction", "roundabout") || highway == "motorway" => (true, false),
-        _ => (true, true),
+        Some("yes" | "true" | "1") => Directions::FORWARD,
+        Some("-1" | "reverse") => Directions::BACKWARD,
+        Some("no") => Directions::BOTH,
+        _ if tags.is("junction", "roundabout") || highway == "motorway" => Directions::FORWARD,
+        _ => Directions::BOTH,
     }
 }
 

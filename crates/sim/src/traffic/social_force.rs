@@ -19,7 +19,7 @@ use openbench_core::MapPoint;
 
 use super::ground::Clearance;
 use super::hull::CarHull;
-use super::mover::{PERSON_RADIUS, RobotState};
+use super::mover::{PERSON_RADIUS_M, RobotState};
 
 /// An exponential repulsion.
 struct Repulsion {
@@ -102,7 +102,7 @@ pub(super) fn from_body(body: Body, heading: [f64; 2], other: Body) -> [f64; 2] 
     let later = libm::hypot(e[0], e[1]).max(1e-6);
     let sum = away + later;
     let b = (sum * sum - y[0] * y[0] - y[1] * y[1]).max(0.04).sqrt() / 2.0;
-    let rims = b - (body.radius + other.radius - 2.0 * PERSON_RADIUS);
+    let rims = b - (body.radius + other.radius - 2.0 * PERSON_RADIUS_M);
     let in_sight = -(d[0] * heading[0] + d[1] * heading[1]) >= BACK_COSINE * away;
     let weight = if in_sight { 1.0 } else { BEHIND };
     let force = PEOPLE.strength * libm::exp(-rims / PEOPLE.range) * sum / (4.0 * b);
@@ -138,7 +138,7 @@ mod tests {
         Body {
             position: MapPoint::new(x, y),
             velocity,
-            radius: PERSON_RADIUS,
+            radius: PERSON_RADIUS_M,
         }
     }
 

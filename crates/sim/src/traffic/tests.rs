@@ -37,7 +37,7 @@ fn neighbourhood(name: &str, plan: TrafficPlan, seed: u64) -> Traffic {
     let world = builtin(name, 1).unwrap().unwrap();
     let map = OsmMap::new(&world.map, builtin_georeference());
     let caster = RayCaster::new(Arc::new(world.scene));
-    let space = FreeSpace::new(&caster, world.start.point(), PERSON_RADIUS);
+    let space = FreeSpace::new(&caster, world.start.point(), PERSON_RADIUS_M);
     Traffic::new(
         &map,
         |p| space.is_reachable(p),
@@ -102,7 +102,7 @@ fn a_map_without_roads_has_no_traffic() {
 fn all_people_get_through_a_corridor_with_counter_flow() {
     // 100 m long, 3 m wide between walls; half the people come from each end.
     let map = street(&(tag("highway", "footway") + &tag("width", "3")));
-    let free = |p: MapPoint| p.y.abs() < 1.5 - PERSON_RADIUS && (-1.0..101.0).contains(&p.x);
+    let free = |p: MapPoint| p.y.abs() < 1.5 - PERSON_RADIUS_M && (-1.0..101.0).contains(&p.x);
     let plan = TrafficPlan {
         pedestrians: 24,
         cars: 0,

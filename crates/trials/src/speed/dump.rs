@@ -14,7 +14,7 @@ use openbench_scene::bvh::{LANES, MISS};
 use openbench_scene::{RayPacket, Scene};
 use openbench_sim::Stage;
 use openbench_sim::lidar::pattern::{LINES, Pattern};
-use openbench_sim::lidar::{RAYS, returns::MAX_RANGE_M};
+use openbench_sim::lidar::{RAYS_PER_SCAN, returns::MAX_RANGE_M};
 use serde_json::{Value, json};
 
 use openbench_bench::BenchError;
@@ -60,7 +60,7 @@ fn bytes(numbers: impl Iterator<Item = f32>) -> Vec<u8> {
 
 fn rays(poses: &[Pose3]) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     let pattern = Pattern::new();
-    let firings = (RAYS / LINES) as u64;
+    let firings = (RAYS_PER_SCAN / LINES) as u64;
     let (mut origins, mut directions) = (Vec::new(), Vec::new());
     for (scan, pose) in (0..).zip(poses) {
         let origin = pose.translation.vector.cast::<f32>();

@@ -8,7 +8,7 @@ use openbench_core::{MapPoint, Pose2, Pose3, RobotDescription, SimTime, Velocity
 use openbench_osm::OsmMap;
 use openbench_scene::free_space::ground_height;
 use openbench_scene::{Movers, RayCaster, Snapshot, World};
-use openbench_sim::lidar::{Lidar, RAYS};
+use openbench_sim::lidar::{Lidar, RAYS_PER_SCAN};
 use openbench_sim::noise::Noise;
 use openbench_sim::traffic::{MoverKind, TrafficPlan};
 use openbench_sim::{ImageSize, Simulator, Stage, View};
@@ -74,7 +74,7 @@ pub fn measure(
     let (name, start, doors) = (world.name.clone(), world.start, places(&world));
     let map = (!plan.is_empty()).then(|| OsmMap::new(&world.map, world.georeference));
     let triangles = world.scene.triangles.len();
-    let stage = Stage::peopled(world.scene, plan).map_err(BenchError::world)?;
+    let stage = Stage::with_figures(world.scene, plan).map_err(BenchError::world)?;
     let scenery = Scenery {
         stage,
         map,
@@ -135,7 +135,7 @@ impl Scenery {
             return Ok(still);
         };
         still
-            .among_traffic_of(map, self.plan, 0)
+            .with_traffic_on(map, self.plan, 0)
             .map_err(BenchError::world)
     }
 
@@ -197,7 +197,7 @@ fn lidar(seen: Snapshot<'_>, places: &[Pose2]) -> f64 {
             std::hint::black_box(lidar.scan(seen, SimTime::ZERO, &[*pose; 2]));
         }
     });
-    (RAYS * poses.len()) as f64 / time.as_secs_f64() / 1e6
+    (RAYS_PER_SCAN * poses.len()) as f64 / time.as_secs_f64() / 1e6
 }
 
 fn cast(caster: &RayCaster, places: &[Pose2]) -> f64 {
@@ -208,7 +208,7 @@ fn cast(caster: &RayCaster, places: &[Pose2]) -> f64 {
             std::hint::black_box(lidar.ranges(caster.visible(), &[*pose; 2]));
         }
     });
-    (RAYS * poses.len()) as f64 / time.as_secs_f64() / 1e6
+    (RAYS_PER_SCAN * poses.len()) as f64 / time.as_secs_f64() / 1e6
 }
 
 fn camera(stage: &Stage, movers: &Movers, places: &[Pose2]) -> f64 {

@@ -1,6 +1,6 @@
 //! Encounters with moving people and cars. Distances are measured between hulls.
 
-use openbench_sim::traffic::Totals;
+use openbench_sim::traffic::EncounterTotals;
 use serde::{Deserialize, Serialize};
 
 /// The encounters of a delivery or of a run.
@@ -23,17 +23,17 @@ pub struct EncounterSum {
     pub nearest_car_m: Option<f64>,
 }
 
-impl From<Totals> for EncounterSum {
-    fn from(totals: Totals) -> Self {
+impl From<EncounterTotals> for EncounterSum {
+    fn from(totals: EncounterTotals) -> Self {
         let finite = |value: f64| value.is_finite().then_some(value);
         Self {
             near_misses_people: totals.near_misses_people,
             near_misses_cars: totals.near_misses_cars,
-            least_time_to_collision_s: finite(totals.least_time_to_collision),
+            least_time_to_collision_s: finite(totals.least_time_to_collision_s),
             intimate_seconds: totals.intimate_seconds,
             personal_seconds: totals.personal_seconds,
-            nearest_person_m: finite(totals.nearest_person),
-            nearest_car_m: finite(totals.nearest_car),
+            nearest_person_m: finite(totals.nearest_person_m),
+            nearest_car_m: finite(totals.nearest_car_m),
         }
     }
 }
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn infinity_becomes_null_in_json() {
-        let json = serde_json::to_value(EncounterSum::from(Totals::default())).unwrap();
+        let json = serde_json::to_value(EncounterSum::from(EncounterTotals::default())).unwrap();
         assert!(json["nearest_car_m"].is_null() && json["least_time_to_collision_s"].is_null());
     }
 }

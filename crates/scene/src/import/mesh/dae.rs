@@ -172,7 +172,7 @@ impl<'a, 'i> Walk<'_, 'a, 'i> {
             }
             part.corners
                 .iter_mut()
-                .for_each(|(p, _)| *p = transform.transform_point(p));
+                .for_each(|corner| corner.position = transform.transform_point(&corner.position));
             if transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0 {
                 part.triangles.iter_mut().for_each(|t| t.swap(1, 2));
             }

@@ -36,8 +36,23 @@ impl<'a, 'i> Dae<'a, 'i> {
     }
 }
 
-/// The numbers of a `<source>`, and how many of them are one item.
-pub(super) fn source(dae: &Dae, node: Node) -> Result<(Vec<f64>, usize), ImportError> {
+/// The numbers of a `<source>`.
+pub(super) struct Source {
+    pub(super) numbers: Vec<f64>,
+    /// How many of them are one item, at least 1.
+    pub(super) stride: usize,
+}
+
+impl Source {
+    /// The item with this index, as its first `N` numbers.
+    pub(super) fn item<const N: usize>(&self, index: usize) -> Option<[f64; N]> {
+        let numbers = self.numbers.get(index.checked_mul(self.stride)?..)?;
+        numbers.first_chunk().copied()
+    }
+}
+
+/// Reads a `<source>`.
+pub(super) fn source(dae: &Dae, node: Node) -> Result<Source, ImportError> {
     let array = child(node, "float_array")
         .ok_or_else(|| malformed(dae.path, node, "<source> has no <float_array>"))?;
     let accessor = child(node, "technique_common").and_then(|t| child(t, "accessor"));
@@ -45,7 +60,10 @@ pub(super) fn source(dae: &Dae, node: Node) -> Result<(Vec<f64>, usize), ImportE
         .and_then(|a| a.attribute("stride"))
         .and_then(|s| s.parse().ok())
         .unwrap_or(1);
-    Ok((list(dae.path, array)?, usize::max(stride, 1)))
+    Ok(Source {
+        numbers: list(dae.path, array)?,
+        stride: usize::max(stride, 1),
+    })
 }
 
 /// The source that an `<input>` with that semantic refers to.

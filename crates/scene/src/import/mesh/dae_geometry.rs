@@ -7,19 +7,23 @@ use roxmltree::Node;
 
 use super::super::error::ImportError;
 use super::super::xml::{child, children, list, malformed};
-use super::dae_document::{Dae, input, source};
-use super::part::{Corner, Joiner, Part};
+use super::dae_document::{Dae, Source, input, source};
+use super::part::{CornerKey, Joiner, Part};
+use crate::scene::Corner;
 
 /// Targets of the indices of a primitive.
 struct Streams {
-    positions: Vec<f64>,
-    position_stride: usize,
+    positions: Source,
     position_offset: usize,
-    uvs: Vec<f64>,
-    uv_stride: usize,
-    uv_offset: Option<usize>,
+    uvs: Option<UvStream>,
     /// Indices for each corner.
     width: usize,
+}
+
+/// Texture coordinates, and which index of a corner refers to them.
+struct UvStream {
+    source: Source,
+    offset: usize,
 }
 
 /// The triangles of a primitive element; `None` for other elements. `uv_set` is the set of texture
@@ -56,7 +60,7 @@ pub(super) fn read_primitives(
                     p,
                     format!(
                         "<p> names position {} or coordinates that are not there",
-                        key.0
+                        key.position
                     ),
                 )
             })?;
@@ -117,11 +121,6 @@ impl Streams {
     fn read(dae: &Dae, primitive: Node, uv_set: Option<u32>) -> Result<Self, ImportError> {
         let wrong =
             |what: &str| malformed(dae.path, primitive, format!("this primitive has no {what}"));
-        let offset = |n: Node| {
-            n.attribute("offset")
-                .and_then(|o| o.parse::<usize>().ok())
-                .unwrap_or(0)
-        };
         let width = children(primitive, "input").map(offset).max().unwrap_or(0) + 1;
         if width > 64 {
             return Err(wrong("sane input offsets"));
@@ -131,51 +130,57 @@ impl Streams {
             .target(vertex, "source")
             .ok_or_else(|| wrong("vertices"))?;
         let position = input(vertices, "POSITION").and_then(|i| dae.target(i, "source"));
-        let (positions, position_stride) =
-            source(dae, position.ok_or_else(|| wrong("positions"))?)?;
-        if position_stride < 3 {
+        let positions = source(dae, position.ok_or_else(|| wrong("positions"))?)?;
+        if positions.stride < 3 {
             return Err(wrong("positions of three numbers"));
         }
-        let uv_input = uv_input(primitive, uv_set);
-        let uv_source = uv_input.and_then(|i| dae.target(i, "source"));
-        let (uvs, uv_stride) = uv_source
-            .map(|s| source(dae, s))
-            .transpose()?
-            .unwrap_or((Vec::new(), 2));
-        let usable = uv_source.is_some() && uv_stride >= 2;
         Ok(Self {
             positions,
-            position_stride,
             position_offset: offset(vertex),
-            uvs,
-            uv_stride,
-            uv_offset: uv_input.filter(|_| usable).map(offset),
+            uvs: UvStream::read(dae, primitive, uv_set)?,
             width,
         })
     }
 
     /// Indices of position and texture coordinates; the latter 0 where there are none.
-    fn key(&self, indices: &[usize]) -> (usize, usize) {
-        (
-            indices[self.position_offset],
-            self.uv_offset.map_or(0, |o| indices[o]),
-        )
+    fn key(&self, indices: &[usize]) -> CornerKey {
+        CornerKey {
+            position: indices[self.position_offset],
+            uv: self.uvs.as_ref().map_or(0, |uvs| indices[uvs.offset]),
+        }
     }
 
-    fn corner(&self, (position, uv): (usize, usize)) -> Option<Corner> {
-        let p = self
-            .positions
-            .get(position.checked_mul(self.position_stride)?..)?
-            .get(..3)?;
-        let uv = match self.uv_offset {
+    fn corner(&self, key: CornerKey) -> Option<Corner> {
+        let position = self.positions.item::<3>(key.position)?;
+        let uv = match &self.uvs {
             None => [0.0; 2],
-            Some(_) => {
-                let uv = self.uvs.get(uv.checked_mul(self.uv_stride)?..)?.get(..2)?;
-                [uv[0] as f32, uv[1] as f32]
-            }
+            Some(uvs) => uvs.source.item::<2>(key.uv)?.map(|c| c as f32),
         };
-        Some((Point3::new(p[0], p[1], p[2]), uv))
+        Some(Corner::new(Point3::from(position), uv))
     }
+}
+
+impl UvStream {
+    /// The texture coordinates of a primitive; `None` if it has none of two numbers.
+    fn read(dae: &Dae, primitive: Node, uv_set: Option<u32>) -> Result<Option<Self>, ImportError> {
+        let Some(input) = uv_input(primitive, uv_set) else {
+            return Ok(None);
+        };
+        let Some(target) = dae.target(input, "source") else {
+            return Ok(None);
+        };
+        let source = source(dae, target)?;
+        let offset = offset(input);
+        Ok((source.stride >= 2).then_some(Self { source, offset }))
+    }
+}
+
+/// Which of a corner's indices belongs to an `<input>`.
+fn offset(input: Node) -> usize {
+    input
+        .attribute("offset")
+        .and_then(|o| o.parse().ok())
+        .unwrap_or(0)
 }
 
 /// The texture coordinates of set `wanted`, else the first.

@@ -16,7 +16,7 @@ use std::path::Path;
 use super::error::ImportError;
 use super::xml::read_bytes;
 use part::MAX_TRIANGLES;
-pub(crate) use part::{Corner, Mesh, MeshMaterial, Part};
+pub(crate) use part::{Mesh, MeshMaterial, Part};
 
 /// Reads a mesh file; the extension of its name tells the format.
 pub(crate) fn read(path: &Path) -> Result<Mesh, ImportError> {

@@ -11,7 +11,8 @@ use nalgebra::Point3;
 
 use super::super::error::{ImportError, ObjError};
 use super::super::xml::read_text;
-use super::part::{Corner, Joiner, MAX_TRIANGLES, Mesh, MeshMaterial, Part};
+use super::part::{CornerKey, Joiner, MAX_TRIANGLES, Mesh, MeshMaterial, Part};
+use crate::scene::Corner;
 
 #[derive(Default)]
 struct Obj {
@@ -86,13 +87,17 @@ impl Obj {
                 .filter(|f| !f.is_empty())
                 .map(|f| index(f, self.uvs.len()))
                 .transpose()?;
-            let make = || -> Corner {
-                (
+            let make = || {
+                Corner::new(
                     self.positions[position],
                     uv.map_or([0.0; 2], |i| self.uvs[i]),
                 )
             };
-            corners.push(self.open.corner((position, uv.map_or(0, |i| i + 1)), make));
+            let key = CornerKey {
+                position,
+                uv: uv.map_or(0, |i| i + 1),
+            };
+            corners.push(self.open.corner(key, make));
         }
         self.triangles += corners.len().saturating_sub(2);
         self.open.fan(&corners);
@@ -111,23 +116,32 @@ impl Obj {
     fn library(&mut self, path: &Path, name: &str) {
         let file = path.parent().unwrap_or(Path::new(".")).join(name);
         let Ok(text) = read_text(&file) else { return };
-        for (name, material) in materials(&text) {
+        for NamedMaterial { name, material } in materials(&text) {
             self.material_numbers.insert(name, self.materials.len());
             self.materials.push(material);
         }
     }
 }
 
-/// The materials of an MTL file with their names.
-fn materials(text: &str) -> Vec<(String, MeshMaterial)> {
-    let mut found: Vec<(String, MeshMaterial)> = Vec::new();
+/// A material of an MTL file.
+struct NamedMaterial {
+    name: String,
+    material: MeshMaterial,
+}
+
+/// The materials of an MTL file.
+fn materials(text: &str) -> Vec<NamedMaterial> {
+    let mut found: Vec<NamedMaterial> = Vec::new();
     for line in text.lines() {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         if keyword == "newmtl" {
-            found.push((rest.trim().to_owned(), MeshMaterial::default()));
+            found.push(NamedMaterial {
+                name: rest.trim().to_owned(),
+                material: MeshMaterial::default(),
+            });
         }
-        let Some((_, material)) = found.last_mut() else {
+        let Some(NamedMaterial { material, .. }) = found.last_mut() else {
             continue;
         };
         match keyword {
@@ -137,7 +151,7 @@ fn materials(text: &str) -> Vec<(String, MeshMaterial)> {
             _ => {}
         }
     }
-    for (_, material) in &mut found {
+    for NamedMaterial { material, .. } in &mut found {
         // Exporters write a meaningless grey beside an image.
         material.color = if material.image.is_some() {
             [1.0; 3]
@@ -202,8 +216,11 @@ mod tests {
     fn a_square_becomes_two_triangles() {
         let mesh = read(Path::new("a.obj"), SQUARE).unwrap();
         assert_eq!(mesh.parts[0].triangles, [[0, 1, 2], [0, 2, 3]]);
-        assert_eq!(mesh.parts[0].corners[3].0, Point3::new(0.0, 1.0, 0.0));
-        assert_eq!(mesh.parts[0].corners[2].1, [1.0, 1.0]);
+        assert_eq!(
+            mesh.parts[0].corners[3].position,
+            Point3::new(0.0, 1.0, 0.0)
+        );
+        assert_eq!(mesh.parts[0].corners[2].uv, [1.0, 1.0]);
         assert!(mesh.parts[0].names.contains(&"side".to_owned()));
     }
 
@@ -233,9 +250,9 @@ mod tests {
     fn materials_know_their_image() {
         let found =
             materials("newmtl A\n\tKd 0.5 0.5 0.5\n\tmap_Kd -s 1 1 1 a.png\nnewmtl B\nKd 0 1 0\n");
-        assert_eq!(found[0].1.image.as_deref(), Some("a.png"));
-        assert_eq!(found[0].1.color, [1.0; 3]);
-        assert_eq!(found[1].1.color, [0.0, 1.0, 0.0]);
+        assert_eq!(found[0].material.image.as_deref(), Some("a.png"));
+        assert_eq!(found[0].material.color, [1.0; 3]);
+        assert_eq!(found[1].material.color, [0.0, 1.0, 0.0]);
     }
 
     proptest::proptest! {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Point3;
+use crate::scene::Corner;
 
 /// Triangles of a mesh file at most.
 pub(super) const MAX_TRIANGLES: usize = 5_000_000;
@@ -29,9 +29,6 @@ pub(crate) struct Part {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// Position and texture coordinates.
-pub(crate) type Corner = (Point3<f64>, [f32; 2]);
-
 /// The material of a part in a mesh file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MeshMaterial {
@@ -53,16 +50,24 @@ impl Default for MeshMaterial {
     }
 }
 
+/// A corner by its indices in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct CornerKey {
+    pub(super) position: usize,
+    /// Of its texture coordinates; 0 for corners without any.
+    pub(super) uv: usize,
+}
+
 /// Joins corners that share position and texture coordinates, by their indices in the file.
 #[derive(Debug, Default)]
 pub(super) struct Joiner {
-    known: BTreeMap<(usize, usize), u32>,
+    known: BTreeMap<CornerKey, u32>,
     pub(super) part: Part,
 }
 
 impl Joiner {
     /// The number of the corner with these indices, which `make` makes when it is new.
-    pub(super) fn corner(&mut self, key: (usize, usize), make: impl FnOnce() -> Corner) -> u32 {
+    pub(super) fn corner(&mut self, key: CornerKey, make: impl FnOnce() -> Corner) -> u32 {
         let corners = &mut self.part.corners;
         *self.known.entry(key).or_insert_with(|| {
             corners.push(make());

@@ -6,6 +6,7 @@ use nalgebra::Point3;
 
 use super::super::error::ImportError;
 use super::part::{Mesh, Part};
+use crate::scene::Corner;
 
 /// Reads STL.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh, ImportError> {
@@ -38,7 +39,7 @@ fn is_cut_short(bytes: &[u8]) -> bool {
 
 fn part(mesh: mesh_loader::Mesh) -> Part {
     let corner = |[x, y, z]: &[f32; 3]| {
-        (
+        Corner::new(
             Point3::new(f64::from(*x), f64::from(*y), f64::from(*z)),
             [0.0; 2],
         )
@@ -62,7 +63,10 @@ mod tests {
             endfacet\nendsolid one\n";
         let mesh = read(Path::new("a.stl"), text).unwrap();
         assert_eq!(mesh.parts[0].triangles.len(), 1);
-        assert_eq!(mesh.parts[0].corners[2].0, Point3::new(0.0, 3.0, 0.0));
+        assert_eq!(
+            mesh.parts[0].corners[2].position,
+            Point3::new(0.0, 3.0, 0.0)
+        );
     }
 
     #[test]

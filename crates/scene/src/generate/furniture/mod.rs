@@ -1,0 +1,9 @@
+//! Street furniture.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `mapped` | furniture at the map's nodes: lamps, benches, hydrants |
+//! | `bins` | wheelie bins at the walls of houses |
+
+pub(super) mod bins;
+pub(super) mod mapped;

@@ -1,0 +1,15 @@
+//! The ground, and the view beyond it.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `terrain` | the ground, cut out where the sea is |
+//! | `horizon` | hills or the sea far beyond the map |
+//! | `aprons` | paved ground around buildings |
+//! | `covers` | ground covers that the map has as areas |
+//! | `levels` | heights of ground covers |
+
+pub(super) mod aprons;
+pub(super) mod covers;
+pub(super) mod horizon;
+pub(super) mod levels;
+pub(super) mod terrain;

@@ -1,0 +1,114 @@
+//! Which parts of the ground are connected, roughly: walls and barriers of the map on a grid of
+//! half a metre.
+//!
+//! Only for choosing a start from which most doors are reached; [`FreeSpace`](crate::FreeSpace)
+//! says where a robot can really drive in the finished world.
+
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
+use openbench_core::MapPoint;
+use openbench_geometry::grid::{GridGeometry, squared_distances};
+use openbench_geometry::{Bounds, Segment};
+
+use crate::generate::doors::doorway::Doorway;
+
+/// Side of a cell, metres, unless the map is so large that cells must be larger.
+const CELL_M: f64 = 0.5;
+/// Largest number of cells on one side.
+const MAX_CELLS: usize = 4_000;
+/// Ground around the buildings that is searched, metres.
+const MARGIN_M: f64 = 20.0;
+/// Free space that a robot needs to each side, metres.
+const HALF_WIDTH_M: f64 = 0.45;
+/// Distance in front of a door at which a robot must be able to stand, metres.
+const BEFORE_DOOR_M: f64 = 1.2;
+
+/// The ground from which the most doors are reached.
+pub(super) struct Reach {
+    grid: GridGeometry,
+    /// For each cell the number of its connected part; 0 where there is no room.
+    part: Vec<u32>,
+    /// The part that reaches the most doors; 0 if none does.
+    best: u32,
+}
+
+impl Reach {
+    /// The ground between `walls`.
+    pub fn new(extent: Bounds, walls: impl Iterator<Item = Segment>, doorways: &[Doorway]) -> Self {
+        let Bounds { low, high } = extent.grown(MARGIN_M);
+        let longer_side = (high.x - low.x).max(high.y - low.y);
+        let cell = CELL_M.max(longer_side / (MAX_CELLS - 1) as f64);
+        let grid = GridGeometry::covering(low, high, cell, MAX_CELLS);
+        let blocked = blocked(&grid, cell, walls);
+        let limit = (HALF_WIDTH_M / cell) * (HALF_WIDTH_M / cell);
+        let clearance = squared_distances(&blocked, grid.width, grid.height);
+        let part = parts(&grid, |c| f64::from(clearance[c]) > limit);
+        let best = most_doors(&grid, &part, doorways);
+        Self { grid, part, best }
+    }
+
+    /// Whether most doors are reached from `point`.
+    pub fn serves(&self, point: MapPoint) -> bool {
+        let cell = self.grid.cell_at(point);
+        cell.is_some_and(|c| self.part[c] == self.best && self.best > 0)
+    }
+}
+
+/// For each cell whether a wall is in it.
+fn blocked(grid: &GridGeometry, cell: f64, walls: impl Iterator<Item = Segment>) -> Vec<bool> {
+    let mut blocked = vec![false; grid.len()];
+    for wall in walls {
+        let steps = (2.0 * wall.length() / cell).ceil();
+        let steps = steps.clamp(1.0, 4.0 * MAX_CELLS as f64) as usize;
+        for i in 0..=steps {
+            if let Some(c) = grid.cell_at(wall.at(i as f64 / steps as f64)) {
+                blocked[c] = true;
+            }
+        }
+    }
+    blocked
+}
+
+/// For each cell the number of the connected part that it is in, from 1; 0 where there is no room.
+fn parts(grid: &GridGeometry, free: impl Fn(usize) -> bool) -> Vec<u32> {
+    let mut part = vec![0; grid.len()];
+    let (mut next, mut stack) = (0, Vec::new());
+    for start in 0..grid.len() {
+        if part[start] > 0 || !free(start) {
+            continue;
+        }
+        next += 1;
+        part[start] = next;
+        stack.push(start);
+        while let Some(cell) = stack.pop() {
+            let (x, y) = grid.column_row(cell);
+            for (dx, dy) in [(-1, 0), (1, 0), (0, -1), (0, 1)] {
+                let Some(n) = grid
+                    .cell_in(x + dx, y + dy)
+                    .filter(|n| part[*n] == 0 && free(*n))
+                else {
+                    continue;
+                };
+                part[n] = next;
+                stack.push(n);
+            }
+        }
+    }
+    part
+}
+
+/// The part that reaches the most doors, of several the first; 0 if none reaches any.
+fn most_doors(grid: &GridGeometry, part: &[u32], doorways: &[Doorway]) -> u32 {
+    let mut counts = BTreeMap::<u32, usize>::new();
+    for door in doorways {
+        let front = door.position.offset(door.facing, BEFORE_DOOR_M);
+        if let Some(c) = grid.cell_at(front).filter(|c| part[*c] > 0) {
+            *counts.entry(part[c]).or_default() += 1;
+        }
+    }
+    let best = counts
+        .into_iter()
+        .max_by_key(|(part, count)| (*count, Reverse(*part)));
+    best.map_or(0, |(part, _)| part)
+}
