@@ -137,6 +137,7 @@ impl Recipe {
                 world
             }
         };
+        // No error: the world can be used, but its results are not comparable.
         if self.version() != env!("CARGO_PKG_VERSION") {
             world.warnings.push(format!(
                 "{} was written by version {}, this is version {}; the world may differ",
