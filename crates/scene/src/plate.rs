@@ -71,13 +71,13 @@ pub fn add_plate(builder: &mut SceneBuilder, text: &str, pose: &Pose3) {
 }
 
 /// A material with the image of a plate, for several plates with one text.
-pub fn plate_material(builder: &mut SceneBuilder, text: &str) -> MaterialId {
+pub(crate) fn plate_material(builder: &mut SceneBuilder, text: &str) -> MaterialId {
     let texture = builder.texture(plate_texture(text));
     builder.material(Material::plain(SemanticClass::Plate, [1.0; 3]).with_texture(texture))
 }
 
 /// Adds a plate as [`add_plate`] does, with an existing `face`, `out` metres in front of `pose`.
-pub fn hang_plate(builder: &mut SceneBuilder, face: MaterialId, pose: &Pose3, out: f64) {
+pub(crate) fn hang_plate(builder: &mut SceneBuilder, face: MaterialId, pose: &Pose3, out: f64) {
     let edge = builder.material(Material::plain(SemanticClass::Plate, [0.35; 3]));
     let (x, z) = (PLATE_WIDTH_M / 2.0, PLATE_HEIGHT_M / 2.0);
     let (right, up, deep) = (

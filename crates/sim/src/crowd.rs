@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Translation3, UnitQuaternion};
 use openbench_core::{Pose2, Pose3};
-use openbench_scene::free_space::ground_height;
-use openbench_scene::{Movers, Placed, RayCaster};
+use openbench_scene::{Movers, Placed, RayCaster, ground_height};
 
 use crate::bodies::Leg;
 use crate::clock::OBSERVATION_NS;

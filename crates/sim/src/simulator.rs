@@ -7,8 +7,7 @@ use openbench_core::{
     WheelSample,
 };
 use openbench_osm::OsmMap;
-use openbench_scene::free_space::ground_height;
-use openbench_scene::{FreeSpace, Movers, SemanticClass, Snapshot};
+use openbench_scene::{FreeSpace, Movers, SemanticClass, Snapshot, ground_height};
 
 use crate::camera::SimCamera;
 use crate::clock::{OBSERVATION_NS, STEP_NS};

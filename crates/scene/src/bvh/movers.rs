@@ -92,7 +92,7 @@ impl Movers {
 
     /// A direction in the axes of a mover's figure, transformed to `map`.
     #[inline]
-    pub fn turn(&self, mover: u32, v: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn turn(&self, mover: u32, v: [f32; 3]) -> [f32; 3] {
         let Some(frame) = self.frames.get(mover as usize) else {
             return v;
         };

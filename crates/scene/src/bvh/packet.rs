@@ -107,7 +107,7 @@ impl TriangleBvh {
     }
 
     /// The same; hits of masked triangles count only where `opaque` is true.
-    pub fn cast_packet_filtered(
+    pub(crate) fn cast_packet_filtered(
         &self,
         rays: &RayPacket,
         opaque: impl Fn(&Hit) -> bool,

@@ -39,7 +39,7 @@ impl TriangleBvh {
 
     /// The same. `masked` tells for each triangle (by index) whether it may have holes, so that
     /// casts with a filter must test its hits.
-    pub fn masked(
+    pub(crate) fn masked(
         corners: impl Iterator<Item = [[f32; 3]; 3]>,
         masked: impl Fn(u32) -> bool,
     ) -> Self {
@@ -47,7 +47,7 @@ impl TriangleBvh {
     }
 
     /// The same, with the triangles numbered from `first`.
-    pub fn numbered(
+    pub(crate) fn numbered(
         corners: impl Iterator<Item = [[f32; 3]; 3]>,
         first: u32,
         masked: impl Fn(u32) -> bool,
@@ -123,7 +123,7 @@ impl TriangleBvh {
     }
 
     /// The same; hits of masked triangles count only where `opaque` is true.
-    pub fn cast_filtered(
+    pub(crate) fn cast_filtered(
         &self,
         origin: [f32; 3],
         direction: [f32; 3],

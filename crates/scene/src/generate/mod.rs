@@ -52,7 +52,7 @@ use openbench_core::{Georeference, MapPoint, Pose2};
 use openbench_geometry::Segment;
 use openbench_osm::{OsmData, OsmMap, without_doors};
 
-pub use builtin::{builtin, builtin_georeference, builtin_map, builtin_names};
+pub use builtin::{builtin, builtin_georeference, builtin_names};
 pub use error::GenerateError;
 pub use options::GenerateOptions;
 pub use streets::car::car_figure;
@@ -286,6 +286,7 @@ fn report(map: &OsmMap) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::builtin::builtin_map;
     use super::*;
 
     #[test]

@@ -23,6 +23,7 @@ const ENCOUNTER_ENDS_S: f64 = 2.0;
 
 /// The measures over an episode.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct EncounterTotals {
     /// Seconds measured.
     pub seconds: f64,
