@@ -107,6 +107,7 @@ impl Crowd {
     fn update_grounds(&mut self, caster: &RayCaster) {
         self.steps += 1;
         for (i, mover) in self.traffic.movers().iter().enumerate() {
+            // Each time a quarter of the movers, so that no step has all the work.
             if !(i + self.steps).is_multiple_of(GROUND_INTERVAL) {
                 continue;
             }

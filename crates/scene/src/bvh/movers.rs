@@ -103,6 +103,7 @@ impl Movers {
     /// Makes the node `at` over these boxes: halves along the axis in which their middles spread
     /// most.
     fn split(&mut self, at: usize, boxes: &mut [Boxed]) {
+        // A leaf is a mover: `kind` says that it holds one, see `Node`.
         if let [Boxed { mover, bounds }] = boxes {
             self.nodes[at] = Node {
                 first: *mover,

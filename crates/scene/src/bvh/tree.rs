@@ -66,6 +66,7 @@ impl TriangleBvh {
         };
         if !soup.is_empty() {
             let mut elapsed = std::time::Duration::ZERO;
+            // Worlds are built once and cast into millions of times.
             let tree = build_bvh2_from_tris(&soup, BvhBuildParams::slow_build(), &mut elapsed);
             laid.lay_out(&tree, |i| {
                 leaf_triangle(&soup[i as usize], first + i, masked(first + i))
