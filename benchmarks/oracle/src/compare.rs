@@ -181,8 +181,7 @@ mod tests {
 
     use nalgebra::{Point3, Vector3};
     use openbench_core::Pose3;
-    use openbench_scene::scene::Layer;
-    use openbench_scene::{Material, SceneBuilder, Texture};
+    use openbench_scene::{Layer, Material, SceneBuilder, Texture};
 
     use super::*;
 

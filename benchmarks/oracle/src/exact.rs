@@ -1,8 +1,7 @@
 //! Who is right where the pictures differ: every triangle, in double precision, without a tree and without a grid of pixels.
 
 use nalgebra::{Point3, Vector3};
-use openbench_scene::raycast::nearest_texel;
-use openbench_scene::{Scene, Triangle};
+use openbench_scene::{Scene, Triangle, nearest_texel};
 use openbench_sim::View;
 
 use crate::rasterizer::Sight;

@@ -65,6 +65,7 @@ impl Segment {
         let (dx, dy) = (b.x - a.x, b.y - a.y);
         let squared = dx * dx + dy * dy;
         let t = ((point.x - a.x) * dx + (point.y - a.y) * dy) / squared;
+        // Without a length the quotient is NaN or infinite, and the start is the nearest point.
         let t = if squared > 0.0 {
             t.clamp(0.0, 1.0)
         } else {
@@ -156,6 +157,7 @@ impl Segment {
     #[inline]
     pub fn crosses(self, other: Self) -> bool {
         let (Self { start: a, end: b }, Self { start: c, end: d }) = (self, other);
+        // Strict on both sides: segments that share an end, as sides of a ring do, do not cross.
         turn(a, b, c) * turn(a, b, d) < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0
     }
 

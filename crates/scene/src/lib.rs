@@ -4,34 +4,36 @@
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`scene`] | [`Scene`] and [`SceneBuilder`]: triangles with materials, solid surfaces, doors |
-//! | [`material`] | [`Material`], [`Texture`], [`SemanticClass`] |
+//! | `scene` | [`Scene`] and [`SceneBuilder`]: triangles with materials, solid surfaces, doors |
+//! | `material` | [`Material`], [`Texture`], [`SemanticClass`] |
 //! | [`bvh`] | [`TriangleBvh`]: rays against triangles, one or sixteen at a time |
-//! | [`raycast`] | [`RayCaster`]: what rays hit in a scene |
-//! | [`free_space`] | [`FreeSpace`]: where a footprint fits, and distances for it |
-//! | [`import`] | [`import_world`]: Gazebo worlds and their meshes |
+//! | `raycast` | [`RayCaster`]: what rays hit in a scene |
+//! | `free_space` | [`FreeSpace`]: where a footprint fits, and distances for it |
+//! | `import` | [`import_world`]: Gazebo worlds and their meshes |
 //! | [`generate`](mod@generate) | worlds from an OSM file and a seed |
 //! | [`plate`] | number plates |
-//! | [`world`] | [`World`]: a scene with its public map, georeference and start |
+//! | `world` | [`World`]: a scene with its public map, georeference and start |
 //! | `beyond` | ground around the drawn ground |
 //! | `triangulate` | triangulation of an outline with holes |
 
 mod beyond;
 pub mod bvh;
-pub mod free_space;
+mod free_space;
 pub mod generate;
-pub mod import;
-pub mod material;
+mod import;
+mod material;
 pub mod plate;
-pub mod raycast;
-pub mod scene;
+mod raycast;
+mod scene;
 mod triangulate;
-pub mod world;
+mod world;
 
 pub use bvh::{Hit, Movers, Placed, RayPacket, TriangleBvh};
-pub use free_space::FreeSpace;
-pub use import::{ImportError, ImportRequest, import_world};
+pub use free_space::{FreeSpace, ground_height};
+pub use import::{ImportError, ImportRequest, ObjError, import_world};
 pub use material::{Material, MaterialId, SemanticClass, Texture, TextureId};
-pub use raycast::{RayCaster, Snapshot, Surface};
-pub use scene::{Corner, Door, Object, Scene, SceneBuilder, SolidMesh, Sun, Triangle, Vertex};
+pub use raycast::{RayCaster, Snapshot, Surface, nearest_texel};
+pub use scene::{
+    Corner, Door, Layer, Object, Scene, SceneBuilder, SolidMesh, Sun, Triangle, Vertex,
+};
 pub use world::World;

@@ -72,6 +72,7 @@ pub struct Material {
 impl Material {
     /// An untextured material.
     pub fn plain(class: SemanticClass, color: [f32; 3]) -> Self {
+        // Luma as in ITU-R BT.601. White paint reflects about 60 % of the light (150 of 255).
         let luma = 0.3 * color[0] + 0.59 * color[1] + 0.11 * color[2];
         Self {
             color,

@@ -23,7 +23,9 @@ pub const CAPITAL_HEIGHT_M: f64 = 0.25;
 const FACE_M: f64 = 0.03;
 /// Distance of the back in front of the pose, metres: it is behind it.
 const BACK_M: f64 = -0.01;
+/// A capital is 80 texels high: at 2 m from the robot's camera a texel is smaller than a pixel.
 const TEXELS_A_METRE: u32 = 320;
+/// Size of the image of a plate, texels.
 const WIDTH: usize = 320;
 const HEIGHT: usize = 144;
 /// Width of the border line, texels.
@@ -32,6 +34,8 @@ const BORDER: usize = 3;
 const MARGIN: usize = 17;
 /// Glyphs are drawn this many times larger and averaged down.
 const OVERSAMPLING: usize = 4;
+/// Characters that are drawn at most.
+const LONGEST_TEXT: usize = 64;
 /// Width of a space, in spaces of the font: narrower, so that letters can be wider.
 const SPACE: f32 = 0.7;
 const PAPER: [u8; 3] = [248, 248, 244];
@@ -71,13 +75,13 @@ pub fn add_plate(builder: &mut SceneBuilder, text: &str, pose: &Pose3) {
 }
 
 /// A material with the image of a plate, for several plates with one text.
-pub fn plate_material(builder: &mut SceneBuilder, text: &str) -> MaterialId {
+pub(crate) fn plate_material(builder: &mut SceneBuilder, text: &str) -> MaterialId {
     let texture = builder.texture(plate_texture(text));
     builder.material(Material::plain(SemanticClass::Plate, [1.0; 3]).with_texture(texture))
 }
 
 /// Adds a plate as [`add_plate`] does, with an existing `face`, `out` metres in front of `pose`.
-pub fn hang_plate(builder: &mut SceneBuilder, face: MaterialId, pose: &Pose3, out: f64) {
+pub(crate) fn hang_plate(builder: &mut SceneBuilder, face: MaterialId, pose: &Pose3, out: f64) {
     let edge = builder.material(Material::plain(SemanticClass::Plate, [0.35; 3]));
     let (x, z) = (PLATE_WIDTH_M / 2.0, PLATE_HEIGHT_M / 2.0);
     let (right, up, deep) = (
@@ -158,7 +162,8 @@ fn draw_line(text: &str) -> Coverage {
     let font = font();
     let capital = CAPITAL_HEIGHT_M as f32 * (TEXELS_A_METRE as usize * OVERSAMPLING) as f32;
     let px = capital * 1000.0 / font.metrics('H', 1000.0).height as f32;
-    let text: String = text.chars().take(64).collect();
+    // A plate cannot show more; memory must not grow with what a map says.
+    let text: String = text.chars().take(LONGEST_TEXT).collect();
     let height = capital as usize;
     let mut glyphs = Vec::new();
     let mut pen = 0.0f32;

@@ -90,18 +90,17 @@ impl RayCaster {
             material: t.material.0,
         };
         let uv = |t: &Triangle| t.corners.map(|i| scene.vertices[i as usize].uv);
-        let holes = |m: &Material| {
-            m.texture
-                .filter(|_| m.cutout)
-                .map(|texture| Holes::of(&scene.textures[texture.0 as usize]))
-        };
         Self {
             visible: Arc::new(visible),
             figures,
             solid: Arc::new(solid),
             surfaces: scene.triangles.iter().map(surface).collect(),
             corners: scene.triangles.iter().map(uv).collect(),
-            holes: scene.materials.iter().map(holes).collect(),
+            holes: scene
+                .materials
+                .iter()
+                .map(|m| holes_of(m, &scene))
+                .collect(),
             scene,
         }
     }
@@ -240,6 +239,12 @@ impl Snapshot<'_> {
             self.movers.turn(hits.mover[lane], normal)
         }
     }
+}
+
+/// The holes in the texture of a material, if it may have any.
+fn holes_of(material: &Material, scene: &Scene) -> Option<Holes> {
+    let texture = material.texture.filter(|_| material.cutout)?;
+    Some(Holes::of(&scene.textures[texture.0 as usize]))
 }
 
 /// Unit normal of a triangle; arbitrary for one without area.

@@ -221,7 +221,7 @@ pub enum Layer {
 ///
 /// ```
 /// use nalgebra::{Point3, Vector3};
-/// use openbench_scene::scene::Layer;
+/// use openbench_scene::Layer;
 /// use openbench_scene::{Material, SceneBuilder, SemanticClass};
 ///
 /// let mut builder = SceneBuilder::new();

@@ -8,6 +8,10 @@ use openbench_geometry::{Segment, sides, turn};
 /// Rings with more corners are thinned to this many: ear clipping takes quadratic time.
 const MAX_CORNERS: usize = 2_000;
 
+/// Twice the area below which a triangle is a line, m²: a millionth of a millimetre over a metre is
+/// rounding.
+const LEAST_TURN_M2: f64 = 1e-9;
+
 /// Triangles of a polygon, each counter-clockwise. `outer` is counter-clockwise, the holes
 /// clockwise.
 pub(crate) fn triangulate(outer: &[MapPoint], holes: &[Vec<MapPoint>]) -> Vec<[MapPoint; 3]> {
@@ -17,7 +21,7 @@ pub(crate) fn triangulate(outer: &[MapPoint], holes: &[Vec<MapPoint>]) -> Vec<[M
         .map(|h| thinned(h))
         .filter(|h| h.len() > 2)
         .collect();
-    let rightmost = |h: &[MapPoint]| h.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
+    // From the right on: a hole that is joined belongs to the ring when the next one is.
     rest.sort_by(|a, b| rightmost(b).total_cmp(&rightmost(a)));
     for hole in rest {
         if ring.len() + hole.len() < 2 * MAX_CORNERS {
@@ -27,6 +31,12 @@ pub(crate) fn triangulate(outer: &[MapPoint], holes: &[Vec<MapPoint>]) -> Vec<[M
     clip_ears(ring)
 }
 
+/// The largest x of a ring.
+fn rightmost(ring: &[MapPoint]) -> f64 {
+    ring.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The ring without so many of its corners that it has no more than [`MAX_CORNERS`].
 fn thinned(ring: &[MapPoint]) -> Vec<MapPoint> {
     let step = ring.len().div_ceil(MAX_CORNERS).max(1);
     ring.iter().step_by(step).copied().collect()
@@ -90,14 +100,14 @@ fn clip_ears(mut ring: Vec<MapPoint>) -> Vec<[MapPoint; 3]> {
         }
         // After a full turn without an ear the ring crosses itself: clip anyway, so that the loop
         // ends.
-        if turn(corner[0], corner[1], corner[2]) > 1e-9 {
+        if turn(corner[0], corner[1], corner[2]) > LEAST_TURN_M2 {
             triangles.push(corner);
         }
         ring.remove(at % n);
         at %= n - 1;
         tried = 0;
     }
-    if ring.len() == 3 && turn(ring[0], ring[1], ring[2]) > 1e-9 {
+    if ring.len() == 3 && turn(ring[0], ring[1], ring[2]) > LEAST_TURN_M2 {
         triangles.push([ring[0], ring[1], ring[2]]);
     }
     triangles
@@ -105,7 +115,8 @@ fn clip_ears(mut ring: Vec<MapPoint>) -> Vec<[MapPoint; 3]> {
 
 fn is_ear(ring: &[MapPoint], [a, b, c]: [MapPoint; 3]) -> bool {
     let area = turn(a, b, c);
-    if area.abs() <= 1e-9 {
+    // A corner without area covers nothing and can always go.
+    if area.abs() <= LEAST_TURN_M2 {
         return true;
     }
     let inside =

@@ -72,7 +72,7 @@ fn triangles_before_the_first_object_belong_to_none() {
     ));
     let corner = |x: f64| Corner::new(nalgebra::Point3::new(x, x * x, 0.0), [0.0; 2]);
     let corners = [corner(0.0), corner(1.0), corner(2.0)];
-    let layer = openbench_scene::scene::Layer::Both;
+    let layer = openbench_scene::Layer::Both;
     builder.mesh(layer, grey, &corners, &[[0, 1, 2]]);
     builder.begin_object("thing", SemanticClass::Other);
     builder.mesh(layer, grey, &corners, &[[0, 1, 2], [0, 1, 7], [0, 2, 1]]);

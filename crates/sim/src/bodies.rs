@@ -91,6 +91,7 @@ impl Bodies {
         self.done = 0;
         for (slot, leg) in self.slots.iter_mut().zip(legs) {
             let near = leg.filter(|leg| leg.to.point().distance(robot) < NEAR_M);
+            // A body that begins to take part is set down; one that stops is left where it is.
             if near.is_some() != slot.leg.is_some() {
                 world.colliders[slot.collider].set_enabled(near.is_some());
                 if let Some(leg) = near {

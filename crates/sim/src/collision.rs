@@ -5,6 +5,7 @@ use openbench_scene::SemanticClass;
 
 /// A collision: a contact after half a second or more without one with the same class.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Collision {
     /// When it began.
     pub time: SimTime,

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Translation3, UnitQuaternion};
 use openbench_core::{Pose2, Pose3};
-use openbench_scene::free_space::ground_height;
-use openbench_scene::{Movers, Placed, RayCaster};
+use openbench_scene::{Movers, Placed, RayCaster, ground_height};
 
 use crate::bodies::Leg;
 use crate::clock::OBSERVATION_NS;
@@ -108,6 +107,7 @@ impl Crowd {
     fn update_grounds(&mut self, caster: &RayCaster) {
         self.steps += 1;
         for (i, mover) in self.traffic.movers().iter().enumerate() {
+            // Each time a quarter of the movers, so that no step has all the work.
             if !(i + self.steps).is_multiple_of(GROUND_INTERVAL) {
                 continue;
             }

@@ -22,7 +22,8 @@ impl Encoders {
         self.right += speeds.right * dt;
     }
 
-    /// The sample at `stamp`: angles in whole marks.
+    /// The sample at `stamp`: angles in whole marks. They count from the start, so that a lost
+    /// sample loses no angle.
     pub(crate) fn sample(&self, stamp: SimTime) -> WheelSample {
         WheelSample {
             stamp,

@@ -61,6 +61,7 @@ fn mean(rgb: &[u8]) -> f64 {
 /// Grey value of a pixel, weighted as in ITU-R BT.601.
 fn grey(pixel: &[u8]) -> u64 {
     let [red, green, blue] = [0, 1, 2].map(|channel| u64::from(pixel[channel]));
+    // 0.299, 0.587 and 0.114 in 256ths: integers add up to the same in any order.
     (77 * red + 150 * green + 29 * blue) >> 8
 }
 

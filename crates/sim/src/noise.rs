@@ -29,6 +29,8 @@ pub struct Noise {
 impl Noise {
     /// Stream number `stream` of `seed`.
     pub fn new(seed: u64, stream: u64) -> Self {
+        // Odd multipliers spread neighbouring seeds and streams over all bits; the first is that of
+        // SplitMix64.
         let mixed =
             seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03);
         Self {
@@ -44,6 +46,7 @@ impl Noise {
 
     /// Normal with mean 0 and standard deviation 1, by Box and Muller.
     pub fn normal(&mut self) -> f64 {
+        // Above zero, since the logarithm of zero is infinite.
         let (u, v) = (1.0 - self.uniform(), self.uniform());
         (-2.0 * libm::log(u)).sqrt() * libm::cos(std::f64::consts::TAU * v)
     }

@@ -23,15 +23,16 @@ use crate::traffic::Mover;
 use crate::wheels::WheelSpeeds;
 
 const STEP_S: f64 = STEP_NS as f64 * 1e-9;
-/// Standard gravity, m/s².
+/// Gravity, m/s², as Gazebo Classic has it by default; the standard value is 9.80665.
 pub(crate) const GRAVITY: f64 = 9.8;
 /// Mass of chassis and wheels, kg.
 const MASS_KG: f64 = 8.2 + 4.0 * 0.5;
 /// Spring of one wheel, N/m: 3 mm of travel under the robot's weight.
 const SPRING: f64 = 8000.0;
-/// Damper of one wheel, N s/m.
+/// Damper of one wheel, N s/m: 0.56 of the critical damping for a quarter of the mass.
 const DAMPER: f64 = 160.0;
-/// Largest load of one wheel, N.
+/// Largest load of one wheel, N: four times the robot's weight. It bounds the kick of a wheel that
+/// is pressed deep into the ground.
 const MAX_LOAD_N: f64 = 400.0;
 /// Free length of the suspension below the hub, wheel radius included, metres.
 const REACH_M: f64 = 0.065;
@@ -42,7 +43,8 @@ const LIFT_M: f64 = 0.05;
 const TYRE_FRICTION: f64 = 0.9;
 /// Friction of the hull and of the world's solids.
 const HULL_FRICTION: f64 = 0.3;
-/// Slip at which the friction of a tyre is saturated, m/s.
+/// Slip at which the friction of a tyre is saturated, m/s. Friction that jumps at zero slip would
+/// make a standing robot tremble.
 const SATURATION: f64 = 0.05;
 /// Height of the hull's lowest point above the ground, metres.
 const CLEARANCE_M: f64 = 0.045;
@@ -169,6 +171,7 @@ impl Physics {
         world.insert_collider(ground_collider, None);
         let chassis_height = robot.wheel_radius;
         let pose = upright(start, ground + chassis_height);
+        // A sleeping body would not feel the forces of its wheels.
         let body = RigidBodyBuilder::dynamic().pose(pose).can_sleep(false);
         let half_height = (robot.height - CLEARANCE_M) / 2.0;
         let middle = CLEARANCE_M + half_height - chassis_height;
@@ -191,6 +194,7 @@ impl Physics {
 
     /// Advances by one step towards the commanded velocity.
     pub(crate) fn step(&mut self, caster: &RayCaster, command: Velocity) {
+        // Forces and goals of movers hold for the engine's next step, so they are set before it.
         self.motors.drive(command);
         self.push_wheels(caster);
         self.movers.advance(&mut self.world);

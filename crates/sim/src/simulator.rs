@@ -7,8 +7,7 @@ use openbench_core::{
     WheelSample,
 };
 use openbench_osm::OsmMap;
-use openbench_scene::free_space::ground_height;
-use openbench_scene::{FreeSpace, Movers, SemanticClass, Snapshot};
+use openbench_scene::{FreeSpace, Movers, SemanticClass, Snapshot, ground_height};
 
 use crate::camera::SimCamera;
 use crate::clock::{OBSERVATION_NS, STEP_NS};
@@ -29,7 +28,8 @@ use crate::traffic::{
 
 /// A robot whose wheels' rims are slower than this does not drive, m/s.
 const STANDING_SPEED: f64 = 0.01;
-/// Streams of random numbers of the sensors.
+/// Streams of random numbers of the sensors. The numbers are part of every recorded run; traffic
+/// has others.
 const IMU_STREAM: u64 = 1;
 const LIDAR_STREAM: u64 = 2;
 const GNSS_STREAM: u64 = 3;
@@ -151,6 +151,7 @@ impl Simulator {
         let robot = self.robot_state();
         let rim = velocity.angular.abs() * self.robot.circumscribed_radius();
         self.speed = libm::hypot(robot.velocity[0], robot.velocity[1]) + rim;
+        // Movers decide by what the robot does now, and then move in step with it.
         self.step_crowd(robot);
         for _ in 0..OBSERVATION_NS / STEP_NS {
             self.step_physics(velocity);
@@ -298,6 +299,7 @@ impl Simulator {
     }
 
     fn extend_chain(&mut self) {
+        // Images are left out: whether one is rendered depends on what the agent asks for.
         let mut hasher = blake3::Hasher::new();
         hasher.update(&self.chain);
         hasher.update(&self.time.0.to_le_bytes());

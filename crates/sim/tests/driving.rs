@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::{Pose2, RobotDescription, Velocity};
-use openbench_scene::scene::Layer;
-use openbench_scene::{Material, RayCaster, SceneBuilder, SemanticClass};
+use openbench_scene::{Layer, Material, RayCaster, SceneBuilder, SemanticClass};
 use openbench_sim::{LeftWorld, Simulator, Stage};
 
 /// Ground of 40 m x 40 m at z = 0.1 and a wall across x = 3.

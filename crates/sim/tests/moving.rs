@@ -5,8 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Point3, Vector3};
 use openbench_core::{LidarScan, MapPoint, Pose2, RobotDescription, Velocity};
 use openbench_osm::{OsmData, OsmMap};
-use openbench_scene::scene::Layer;
-use openbench_scene::{Material, Scene, SceneBuilder, SemanticClass};
+use openbench_scene::{Layer, Material, Scene, SceneBuilder, SemanticClass};
 use openbench_sim::traffic::{Mover, MoverKind, Traffic, TrafficPlan};
 use openbench_sim::{Simulator, Stage};
 

@@ -173,19 +173,21 @@ pub fn trial(
         }
         Ok(())
     })?;
-    let share = |health: Health| {
-        errors.iter().filter(|error| error.health == health).count() as f64
-            / errors.len().max(1) as f64
-    };
     let good = errors.iter().filter(|error| error.health == Health::Good);
     Ok(DegradedResult {
         degradation,
         errors: localization(std::iter::once(&errors[..])),
-        good: share(Health::Good),
-        lost: share(Health::Lost),
+        good: share(&errors, Health::Good),
+        lost: share(&errors, Health::Lost),
         largest_good_m: good.map(PoseError::distance).fold(0.0, f64::max),
         metres: driven.metres,
     })
+}
+
+/// Share of poses with a health; 0 without poses.
+fn share(errors: &[PoseError], health: Health) -> f64 {
+    let count = errors.iter().filter(|error| error.health == health).count();
+    count as f64 / errors.len().max(1) as f64
 }
 
 /// Degraded sensors.
@@ -265,9 +267,7 @@ impl Degraded {
             Degradation::Late(ms) => scan.stamp = stamp + Duration::from_millis(ms),
             Degradation::Blinded(degrees) if is_occluded(stamp) => {
                 let half = degrees.to_radians() / 2.0;
-                let is_seen =
-                    |xyz: &[f32; 3]| libm::atan2(f64::from(xyz[1]), f64::from(xyz[0])).abs() < half;
-                scan.points.retain(|point| is_seen(&point.xyz));
+                scan.points.retain(|point| bearing(point.xyz).abs() < half);
             }
             _ => scan
                 .points
@@ -279,27 +279,35 @@ impl Degraded {
 
     fn point(&mut self, xyz: [f32; 3]) -> [f32; 3] {
         let at = Vector3::from(xyz.map(f64::from));
-        let turned = |axis: UnitVector3<f64>, degrees: f64| {
-            Rotation3::from_axis_angle(&axis, degrees.to_radians()).inverse() * at
-        };
         let at = match self.degradation {
             Degradation::Noisy(factor) => {
+                // Along the ray, as the error of a range is.
                 let added = added_noise(factor) * RANGE_NOISE_M;
                 at * (1.0 + self.normal(added) / at.norm().max(0.1))
             }
             Degradation::Quantised(metres) => at.map(|x| (x / metres).round() * metres),
-            Degradation::TurnedLidar(degrees) => turned(Vector3::z_axis(), degrees),
-            Degradation::PitchedLidar(degrees) => turned(Vector3::y_axis(), degrees),
+            Degradation::TurnedLidar(degrees) => seen_turned(at, Vector3::z_axis(), degrees),
+            Degradation::PitchedLidar(degrees) => seen_turned(at, Vector3::y_axis(), degrees),
             _ => at,
         };
         at.cast::<f32>().into()
     }
 }
 
+/// A point as seen by a sensor that is turned about an axis: it turns the other way.
+fn seen_turned(point: Vector3<f64>, axis: UnitVector3<f64>, degrees: f64) -> Vector3<f64> {
+    Rotation3::from_axis_angle(&axis, degrees.to_radians()).inverse() * point
+}
+
 /// Noise to add, in standard deviations of the simulated noise, so that the sum has `factor` of
 /// them.
 fn added_noise(factor: f64) -> f64 {
     (factor * factor - 1.0).max(0.0).sqrt()
+}
+
+/// Direction of a point from the sensor: radians, counter-clockwise from forward.
+fn bearing([x, y, _]: [f32; 3]) -> f64 {
+    libm::atan2(f64::from(y), f64::from(x))
 }
 
 fn is_occluded(time: SimTime) -> bool {

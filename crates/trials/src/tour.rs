@@ -279,6 +279,8 @@ fn doors(prepared: &Prepared, noise: &mut Noise) -> Vec<MapPoint> {
 }
 
 /// Whether a person or car is close in front of the robot.
+///
+/// The robot does not stop for those beside or behind it: among many people it would never move.
 fn blocked(simulator: &Simulator, here: Pose2) -> bool {
     simulator
         .movers()

@@ -23,6 +23,7 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
     let (Some(sum), Some(last)) = (localization([&errors[..]].into_iter()), errors.last()) else {
         return;
     };
+    // At least a second: a single pose at the start would otherwise divide by zero.
     let (seconds, top) = (last.time.seconds().max(1.0), ceiling(sum.max_m));
     let x = |time: f64| LEFT_PX + time / seconds * (WIDTH_PX - LEFT_PX - 8.0);
     let y = |metres: f64| HEIGHT_PX - BOTTOM_PX - metres / top * (HEIGHT_PX - BOTTOM_PX - 10.0);

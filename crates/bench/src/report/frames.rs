@@ -43,6 +43,7 @@ pub fn render(out: &mut String, plates: &[PlateFrame]) {
 }
 
 fn figure(out: &mut String, plate: &PlateFrame) {
+    // Readers are extensions, too, and may report anything.
     let finite = |v: f32| if v.is_finite() { v } else { 0.0 };
     let corners: Vec<String> = plate
         .corners

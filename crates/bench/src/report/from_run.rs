@@ -117,6 +117,7 @@ fn frames(trace: &EpisodeTrace) -> Vec<PlateFrame> {
         let read = trace.plates.iter().filter(|p| p.time == f.time);
         let best = read.max_by(|a, b| a.confidence.total_cmp(&b.confidence))?;
         Some(PlateFrame {
+            // Without the image, the text that was read is still of use.
             jpeg: image_file::jpeg(&f.image).unwrap_or_default(),
             width: f.image.width,
             height: f.image.height,

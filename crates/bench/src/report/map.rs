@@ -107,10 +107,12 @@ impl View {
     fn line(&self, points: &[MapPoint]) -> String {
         let mut commands = String::new();
         let mut last = [f64::INFINITY; 2];
+        // Estimated paths of a lost agent may contain NaN, which SVG does not know.
         let finite = points.iter().filter(|p| p.x.is_finite() && p.y.is_finite());
         let pixels: Vec<[f64; 2]> = finite.map(|p| self.pixel(*p)).collect();
         for (i, [x, y]) in pixels.iter().copied().enumerate() {
             let moved = libm::hypot(x - last[0], y - last[1]) >= MIN_SPACING_PX;
+            // The last point is always drawn: it is where the robot is in the end.
             if i == 0 || moved || i + 1 == pixels.len() {
                 let _ = write!(commands, "{}{x:.1} {y:.1}", if i == 0 { 'M' } else { 'L' });
                 last = [x, y];
@@ -262,6 +264,7 @@ fn draw_marks(out: &mut String, view: &View, episode: &EpisodeReport) {
         .declared
         .iter()
         .for_each(|d| declaration(out, view, d));
+    // Labels last, above all marks.
     let mut labels = Labels::default();
     episode
         .true_doors
@@ -337,6 +340,7 @@ impl Labels {
             .as_deref()
             .unwrap_or(&door.address.building);
         let width = text_width(text);
+        // Right, left, above, below.
         let places = [
             (14.0, 4.0),
             (-14.0 - width, 4.0),

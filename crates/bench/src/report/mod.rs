@@ -3,35 +3,39 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`input`] | the input of a report |
-//! | [`from_run`] | that input from results and traces |
-//! | [`html`] | escaping and formatting of numbers |
-//! | [`tiles`] | the headline metrics with their intervals, paper and strict side by side |
-//! | [`table`] | one row per delivery |
-//! | [`map`] | the map of an episode, as SVG |
-//! | [`drift`] | the localization error over time |
-//! | [`frames`] | the camera frames in which plates were read |
-//! | [`terminal`] | the same metrics as plain text for a terminal |
+//! | `input` | [`ReportInput`]: the input of a report |
+//! | `from_run` | [`report_input`]: that input from results and traces |
+//! | `html` | escaping and formatting of numbers |
+//! | `headline` | the headline metrics by both criteria |
+//! | `tiles` | these with their intervals, side by side |
+//! | `table` | one row per delivery |
+//! | `map` | the map of an episode, as SVG |
+//! | `drift` | the localization error over time |
+//! | `frames` | the camera frames in which plates were read |
+//! | `terminal` | the same metrics as plain text for a terminal |
 
-pub mod drift;
-pub mod frames;
-pub mod from_run;
+mod drift;
+mod frames;
+mod from_run;
 mod headline;
-pub mod html;
-pub mod input;
-pub mod map;
-pub mod table;
-pub mod terminal;
-pub mod tiles;
+mod html;
+mod input;
+mod map;
+mod table;
+mod terminal;
+mod tiles;
 
 use std::fmt::Write;
 
 use crate::plural::count;
+pub use from_run::report_input;
 use html::escape;
 pub use input::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
 pub use terminal::terminal_table;
 
 const STYLE: &str = include_str!("style.css");
+
+// `write!` to a string cannot fail, so its result is ignored throughout this folder.
 
 /// Renders the whole report as HTML.
 pub fn render(input: &ReportInput<'_>) -> String {

@@ -67,6 +67,7 @@ fn interval_bar(value: Option<f64>, interval: Option<&[f64; 2]>) -> String {
     );
     bar.push_str("<rect class=\"scale\" x=\"0\" y=\"3.5\" width=\"100\" height=\"1\"/>");
     if let Some([low, high]) = interval {
+        // An interval of no width would not be seen.
         let (x, width) = (low * 100.0, ((high - low) * 100.0).max(0.5));
         let _ = write!(
             bar,
@@ -74,6 +75,7 @@ fn interval_bar(value: Option<f64>, interval: Option<&[f64; 2]>) -> String {
         );
     }
     if let Some(v) = value {
+        // The mark is 1.5 wide: centred on the value, but inside the scale at 0 and 100 %.
         let x = (v * 100.0 - 0.75).clamp(0.0, 98.5);
         let _ = write!(
             bar,

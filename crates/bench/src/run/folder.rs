@@ -18,8 +18,7 @@ use openbench_osm::{OsmData, OsmError, write_atomically};
 use super::recording::RunRecord;
 use super::request::RunRequest;
 use crate::BenchError;
-use crate::report;
-use crate::report::from_run::report_input;
+use crate::report::{self, report_input};
 use crate::score::results::Results;
 use crate::trace::EpisodeTrace;
 

@@ -3,32 +3,32 @@
 //! | module | content |
 //! |---|---|
 //! | [`registry`] | [`Agents`]: agents by name |
-//! | [`rollout`] | [`Rollout`]: an episode, one step at a time |
-//! | [`observer`] | [`Observer`]: a passive observer of an episode |
-//! | [`episode`] | one episode driven by an agent |
-//! | [`request`] | [`RunRequest`]: the input of a run |
-//! | [`episodes`] | all episodes of a suite, on several threads |
-//! | [`output`] | [`RunOutput`]: results and merged map |
-//! | [`folder`] | the files in the folder of a run |
+//! | `rollout` | [`Rollout`]: an episode, one step at a time |
+//! | `observer` | [`Observer`]: a passive observer of an episode |
+//! | `episode` | [`run_episode`]: one episode driven by an agent |
+//! | `request` | [`RunRequest`]: the input of a run |
+//! | `episodes` | [`run`] and [`repeat`]: all episodes of a suite, on several threads |
+//! | `output` | [`RunOutput`]: results and merged map |
+//! | `folder` | the files in the folder of a run |
 //! | [`recorder`] | the sensor log of an episode |
 //! | [`recording`] | the actions of an episode, and [`verify`](recording::verify), which replays them |
 //! | [`threads`] | numbered jobs on several threads |
-//! | [`truth`] | the true pose as a localizer, for comparisons |
-//! | [`simulated_fixes`] | fixes simulated from the true pose, for experiments |
+//! | `truth` | [`TruthLocalizer`]: the true pose as a localizer, for comparisons |
+//! | `simulated_fixes` | [`SimulatedFixes`]: fixes made from the true pose, for experiments |
 
-pub mod episode;
-pub mod episodes;
-pub mod folder;
-pub mod observer;
-pub mod output;
+mod episode;
+mod episodes;
+mod folder;
+mod observer;
+mod output;
 pub mod recorder;
 pub mod recording;
 pub mod registry;
-pub mod request;
-pub mod rollout;
-pub mod simulated_fixes;
+mod request;
+mod rollout;
+mod simulated_fixes;
 pub mod threads;
-pub mod truth;
+mod truth;
 
 pub use episode::run_episode;
 pub use episodes::{repeat, run};

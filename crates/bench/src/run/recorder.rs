@@ -53,6 +53,7 @@ impl FromStr for Level {
 const THIN_SCAN_STRIDE: u64 = 5;
 /// A scan of a thin log has one of so many points.
 const THIN_POINT_STRIDE: usize = 20;
+/// Time between two scans.
 const SCAN_PERIOD_NS: u64 = 100_000_000;
 /// Time between two records of the poses of people and cars.
 const MOVERS_PERIOD_NS: u64 = 200_000_000;
@@ -229,6 +230,7 @@ impl Recorder {
                     time,
                     &StringMessage(format!("{text} ({confidence:.2})")),
                 )?;
+                // Images in which nothing was read would fill the log.
                 log.write(
                     "/camera/image/compressed",
                     time,

@@ -105,6 +105,7 @@ impl Recording {
     pub fn compare(&self, episode: usize, other: &Self) -> Result<(), BenchError> {
         let (recorded, repeated) = (self.velocities(), other.velocities());
         let longer = recorded.len().max(repeated.len());
+        // Equal to the bit: JSON keeps every digit of a double.
         let first = (0..longer).find(|&step| recorded.get(step) != repeated.get(step));
         let detail = match first {
             Some(step) => format!(
@@ -172,6 +173,8 @@ pub fn verify(
         let detail = format!("the recording is damaged: its {steps} steps are longer than a day");
         return Err(BenchError::Differs { episode, detail });
     }
+    // Declarations are not replayed. They do not move the robot, and without them the episode
+    // cannot end before its last step.
     let mut rollout = Rollout::new(prepared, episode, recording.seed)?;
     for stretch in &recording.driven {
         for _ in 0..stretch.steps {

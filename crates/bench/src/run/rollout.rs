@@ -123,6 +123,8 @@ impl<'o> Rollout<'o> {
     /// Records an event that the agent reports.
     pub fn record(&mut self, event: Event) {
         let time = self.simulator.time();
+        // Observers first, since the trace takes the event apart. By index, since `keep_error`
+        // needs all of `self`.
         for i in 0..self.observers.len() {
             let seen = self.observers[i].event(time, &event);
             self.keep_error(seen);
@@ -176,6 +178,7 @@ impl<'o> Rollout<'o> {
         if self.status() == Status::Ended {
             return Status::Ended;
         }
+        // Before the step: a delivery is declared at the place that the agent has observed.
         let velocity = self.apply(action);
         let before = self.pose();
         self.simulator.step(velocity);
@@ -244,6 +247,7 @@ impl<'o> Rollout<'o> {
     }
 
     fn keep_frame(&mut self, frame: Frame) {
+        // Several plates may be read in one image.
         let frames = &mut self.trace.frames;
         if frames.back().is_some_and(|last| last.time == frame.time) {
             return;
@@ -316,6 +320,8 @@ impl<'o> Rollout<'o> {
     fn end(&mut self, target: usize, declared: bool, failure: Option<Failure>) {
         let (now, here) = (self.simulator.time(), self.pose().point());
         let collisions = self.simulator.collisions();
+        // All since the last end belongs to the delivery that ends now, whichever it is: agents
+        // deliver in an order of their own.
         let next = Task {
             began: now,
             collisions_before: collisions.len(),

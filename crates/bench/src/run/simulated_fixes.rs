@@ -46,9 +46,9 @@ impl Default for FixNoise {
 /// A text that does not describe the noise of fixes.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` does not describe noise of fixes; write NOISE,SHARE,FAR or NOISE,SHARE,FAR,BIAS: standard deviation \
-     in metres (above 0), share of outliers (0 to 1), maximum error of an outlier in metres, \
-     offset to the east in metres"
+    "`{0}` does not describe noise of fixes; write NOISE,SHARE,FAR or NOISE,SHARE,FAR,BIAS: \
+     standard deviation in metres (above 0), share of outliers (0 to 1), maximum error of an \
+     outlier in metres, offset to the east in metres"
 )]
 pub struct FixNoiseError(pub String);
 

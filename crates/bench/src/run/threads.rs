@@ -35,13 +35,16 @@ where
                         break;
                     }
                     let outcome = work(number);
+                    // Relaxed suffices: the channel synchronizes the outcomes themselves.
                     ends.fetch_or(outcome.is_err(), Ordering::Relaxed);
+                    // The receiver is gone if `collect` panicked.
                     if sender.send((number, outcome)).is_err() {
                         break;
                     }
                 }
             });
         }
+        // The receiver ends when the last sender is dropped.
         drop(sender);
         let see = |(number, outcome): (usize, Result<T, W>)| {
             let outcome = outcome.map_err(E::from).and_then(&mut collect);

@@ -22,7 +22,8 @@ struct TimedPose {
     pose: Pose2,
 }
 
-/// Number of stored poses: one second at 20 Hz.
+/// Number of stored poses: one second at 20 Hz. Agents ask for the pose at the time of a scan or an
+/// image, which is in the past.
 const MAX_POSES: usize = 20;
 
 impl TruthHandle {

@@ -95,7 +95,7 @@ fn failure(outcome: &TaskOutcome, strict: &Strict) -> Option<Failure> {
 /// Judges a declaration by geodesic distances. Doors whose straight-line distance already exceeds
 /// the geodesic distance of the correct door need no search.
 fn judge(prepared: &Prepared, at: MapPoint, door: usize) -> Strict {
-    let Some(at) = prepared.free_space.nearest_reachable(at, 1.0) else {
+    let Some(at) = prepared.nearest_reachable(at) else {
         return Strict::NOT_DECLARED;
     };
     let Some(correct) = geodesic_distance(prepared, at, door) else {

@@ -2,13 +2,13 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`deliveries`] | from an episode's trace to the results of its deliveries |
+//! | `deliveries` | from an episode's trace to the results of its deliveries |
 //! | [`metrics`] | the metrics, as functions of plain values |
 //! | [`statistics`] | confidence intervals |
 //! | [`results`] | [`Results`]: the file `results.json` |
 //! | [`evaluate`] | the paper's metrics for logs of the reference recorder |
 
-pub mod deliveries;
+pub(crate) mod deliveries;
 pub mod evaluate;
 pub mod metrics;
 pub mod results;

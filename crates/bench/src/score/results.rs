@@ -17,6 +17,7 @@ use crate::trace::SmoothnessSum;
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Results {
     /// Name of the suite.
     pub suite: String,
@@ -49,6 +50,7 @@ pub struct Results {
 
 /// Metrics of a run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Metrics {
     /// Share of deliveries declared within 10 m of the plate (paper).
     pub sr_10m: Option<f64>,

@@ -8,6 +8,7 @@ use rand_pcg::Pcg32;
 
 /// 97.5 % quantile of the standard normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
+/// Number of resamples of the bootstrap.
 const RESAMPLES: usize = 10_000;
 
 /// A number of successes among a number of trials.
@@ -71,6 +72,7 @@ pub fn bootstrap_interval(values: &[f64], seed: u64) -> Option<[f64; 2]> {
 
 fn resampled_mean(values: &[f64], random: &mut Pcg32) -> f64 {
     let n = values.len() as u64;
+    // Multiply-shift: one random number for each draw. Its bias, below n / 2^32, is negligible.
     let draw = |_| values[((u64::from(random.next_u32()) * n) >> 32) as usize];
     (0..values.len()).map(draw).sum::<f64>() / n as f64
 }

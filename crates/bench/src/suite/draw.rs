@@ -70,6 +70,8 @@ impl Draw {
             .collect()
     }
 
+    // The built-in suites are drawn anew by every version: the order of random draws, here and in
+    // `sentence`, must not change.
     fn shuffled(&mut self) -> Vec<Address> {
         let mut doors = self.doors.clone();
         for i in (1..doors.len()).rev() {

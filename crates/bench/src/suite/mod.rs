@@ -3,18 +3,18 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`source`] | [`WorldSource`]: the source of the world |
-//! | [`sensors`] | [`Sensors`]: sensors in addition to the benchmark's own |
-//! | [`builtin`] | the contents of the built-in suites |
+//! | `source` | [`WorldSource`]: the source of the world |
+//! | `sensors` | [`Sensors`]: sensors in addition to the benchmark's own |
+//! | `builtin` | the contents of the built-in suites |
 //! | [`deliveries`] | the published delivery files |
 //! | [`truth_file`] | the published files of true door positions |
 //! | [`draw`] | random deliveries with instructions |
 
-pub mod builtin;
+pub(crate) mod builtin;
 pub mod deliveries;
 pub mod draw;
-pub mod sensors;
-pub mod source;
+mod sensors;
+mod source;
 pub mod truth_file;
 
 use std::path::{Path, PathBuf};

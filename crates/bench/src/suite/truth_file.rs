@@ -44,6 +44,7 @@ fn parse_line(line: &str) -> Option<Vec<MapPoint>> {
         let (point, after) = rest.strip_prefix('(')?.split_once(')')?;
         let (x, y) = point.split_once(',')?;
         points.push(MapPoint::new(number(x)?, number(y)?));
+        // The published files separate points by spaces; other writers use commas or semicolons.
         rest = after.trim_start_matches([' ', '\t', ',', ';']);
     }
     Some(points)

@@ -2,11 +2,11 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`pose_error`] | [`PoseError`]: the error of an estimated pose |
-//! | [`smoothness`] | [`Smoothness`]: turning, speed variation and stops along a drive |
+//! | `pose_error` | [`PoseError`]: the error of an estimated pose |
+//! | `smoothness` | [`Smoothness`]: turning, speed variation and stops along a drive |
 
-pub mod pose_error;
-pub mod smoothness;
+mod pose_error;
+mod smoothness;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -20,6 +20,7 @@ pub use smoothness::{Smoothness, SmoothnessSum};
 
 /// The outcome of one delivery.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct TaskOutcome {
     /// Index into the episode's targets.
     pub target: usize,
@@ -92,6 +93,7 @@ pub struct Frame {
 
 /// The record of an episode.
 #[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct EpisodeTrace {
     /// Outcomes of the deliveries, in the order in which they ended.
     pub tasks: Vec<TaskOutcome>,

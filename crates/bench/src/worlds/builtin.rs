@@ -29,6 +29,7 @@ pub fn builtin_suite(name: &str) -> Result<Suite, BenchError> {
         .iter()
         .find(|suite| suite.name == name)
         .ok_or_else(unknown)?;
+    // World and deliveries do not depend on the seed of a run, so that runs can be compared.
     let source = WorldSource::Builtin {
         name: name.to_owned(),
         seed: 1,

@@ -109,6 +109,7 @@ pub fn write(
             request.max_distance_m
         )));
     }
+    // Relative to the file, so that the folder can be moved.
     prepared.suite.world = WorldSource::Folder { path: ".".into() };
     staging.put(SUITE, prepared.suite.to_toml().as_bytes())?;
     staging.move_to(folder)?;
@@ -195,6 +196,8 @@ impl StagingFolder {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
+        // Beside the final folder, since a rename does not cross file systems. With the number of
+        // the process, since another one may write the same world.
         let path = absolute.with_file_name(format!(".{name}.{}.part", std::process::id()));
         std::fs::create_dir_all(&path).map_err(|e| BenchError::file(&path, e))?;
         Ok(Self { path })
@@ -209,6 +212,7 @@ impl StagingFolder {
     }
 
     fn move_to(&self, folder: &Path) -> Result<(), BenchError> {
+        // A rename does not replace a folder that contains files.
         let old = self.path.with_extension("old");
         let failed = |e| BenchError::file(folder, e);
         if folder.exists() {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use openbench_core::Georeference;
 use openbench_scene::World;
 use openbench_scene::generate;
-use openbench_scene::import::{ImportRequest, import_world};
+use openbench_scene::{ImportRequest, import_world};
 
 use super::recipe::Recipe;
 use crate::BenchError;

@@ -2,19 +2,19 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`mod@load`] | from a [`WorldSource`](crate::WorldSource) to the world |
-//! | [`builtin`] | the built-in suites |
-//! | [`prepared`] | [`Prepared`]: a suite with its world built and its doors looked up |
-//! | [`targets`] | [`Target`]: the doors that an episode requests |
-//! | [`recipe`] | [`Recipe`]: sources and parameters of a world |
+//! | `load` | [`load`]: from a [`WorldSource`](crate::WorldSource) to the world |
+//! | `builtin` | [`builtin_suite`]: the built-in suites |
+//! | `prepared` | [`Prepared`]: a suite with its world built and its doors looked up |
+//! | `targets` | [`Target`]: the doors that an episode requests |
+//! | `recipe` | [`Recipe`]: sources and parameters of a world |
 //! | [`folder`] | worlds as folders: recipe, maps, suite |
 
-pub mod builtin;
+mod builtin;
 pub mod folder;
-pub mod load;
-pub mod prepared;
-pub mod recipe;
-pub mod targets;
+mod load;
+mod prepared;
+mod recipe;
+mod targets;
 
 pub use builtin::builtin_suite;
 pub use load::load;

@@ -174,6 +174,7 @@ impl Prepared {
         let mut from = self.world.start.point();
         let mut seconds = 0.0;
         for target in targets {
+            // An agent may search for a door that does not exist for this time only.
             let Some(door) = target.door else {
                 seconds += BASE_TIME_LIMIT_S;
                 continue;
@@ -235,8 +236,15 @@ impl Prepared {
     /// Length of the shortest path of the footprint from a point to a door's approach point,
     /// metres; `None` if there is no path.
     pub fn shortest(&self, from: MapPoint, door: usize) -> Option<f64> {
-        let from = self.free_space.nearest_reachable(from, 1.0)?;
+        let from = self.nearest_reachable(from)?;
         self.free_space.distance(from, self.approach[door]?)
+    }
+
+    /// The free space nearest to a position of the robot; `None` if there is none within a metre.
+    pub(crate) fn nearest_reachable(&self, robot: MapPoint) -> Option<MapPoint> {
+        // The rectangular footprint fits where its circumscribed circle does not.
+        const MAX_OFFSET_M: f64 = 1.0;
+        self.free_space.nearest_reachable(robot, MAX_OFFSET_M)
     }
 }
 

@@ -6,7 +6,7 @@ use openbench_core::{Georeference, Pose2};
 use openbench_osm::OsmData;
 use openbench_scene::World;
 use openbench_scene::generate::{GenerateOptions, generate};
-use openbench_scene::import::{ImportRequest, import_world};
+use openbench_scene::{ImportRequest, import_world};
 use serde::{Deserialize, Serialize};
 
 use crate::BenchError;
@@ -137,6 +137,7 @@ impl Recipe {
                 world
             }
         };
+        // No error: the world can be used, but its results are not comparable.
         if self.version() != env!("CARGO_PKG_VERSION") {
             world.warnings.push(format!(
                 "{} was written by version {}, this is version {}; the world may differ",

@@ -5,9 +5,8 @@ use std::fmt::Write as _;
 
 use openbench_bench::Agents;
 use openbench_core::{FailureCause, LonLat};
-use openbench_trials::towns::summary::PoseSum;
 use openbench_trials::towns::{
-    DrawnWindow, Town, Towns, TownsPlan, TownsRequest, draw, run as run_towns,
+    DrawnWindow, PoseSum, Town, Towns, TownsPlan, TownsRequest, draw, run as run_towns,
 };
 
 use crate::args::BenchTownsArgs;

@@ -10,7 +10,7 @@ use openbench_bench::worlds::load;
 use openbench_bench::{TrafficPlan, WorldSource};
 use openbench_core::{Image, Pose2, Pose3, RobotDescription, Velocity};
 use openbench_osm::{OsmMap, write_atomically};
-use openbench_scene::{Movers, RayCaster, Scene, SemanticClass, World, free_space::ground_height};
+use openbench_scene::{Movers, RayCaster, Scene, SemanticClass, World, ground_height};
 use openbench_sim::{ImageSize, Labels, Simulator, Stage, View};
 use serde_json::json;
 

@@ -22,6 +22,7 @@ impl Polygon {
 /// Whether a ray from `point` to the east crosses the side. Each end belongs to one side only.
 fn crosses_ray(side: Segment, point: MapPoint) -> bool {
     let Segment { start: a, end: b } = side;
+    // The first comparison also keeps level sides out, which the division could not take.
     (a.y > point.y) != (b.y > point.y)
         && point.x < (b.x - a.x) * (point.y - a.y) / (b.y - a.y) + a.x
 }

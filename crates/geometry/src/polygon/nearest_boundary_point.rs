@@ -25,6 +25,7 @@ impl Polygon {
             let foot = side.nearest_point(point).point;
             let squared =
                 (foot.x - point.x) * (foot.x - point.x) + (foot.y - point.y) * (foot.y - point.y);
+            // Of two sides that are equally near, at a corner, the first counts.
             if squared < least {
                 least = squared;
                 nearest = BoundaryPoint {

@@ -20,6 +20,7 @@ pub(super) fn oriented(
     mut points: Vec<MapPoint>,
     orientation: Orientation,
 ) -> Option<Vec<MapPoint>> {
+    // OSM repeats the first node of a closed way at its end.
     points.dedup();
     while points.len() > 1 && points.first() == points.last() {
         points.pop();

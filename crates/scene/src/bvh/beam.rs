@@ -149,7 +149,7 @@ impl TriangleBvh {
     /// Where several triangles are hit at one distance, the triangle may differ from that of
     /// [`cast_packet`](Self::cast_packet).
     #[inline(always)]
-    pub fn cast_block<const K: usize>(
+    pub(crate) fn cast_block<const K: usize>(
         &self,
         beam: &Beam,
         rays: &[RayPacket; K],

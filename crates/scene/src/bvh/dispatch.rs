@@ -41,11 +41,11 @@ enum Instructions {
 
 /// A set of vector instructions that this machine has; only [`Vectors::available`] makes them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Vectors(Instructions);
+pub(super) struct Vectors(Instructions);
 
 impl Vectors {
     /// The sets that this machine has, the widest last.
-    pub fn available() -> Vec<Self> {
+    pub(super) fn available() -> Vec<Self> {
         let mut sets = vec![Self(Instructions::Baseline)];
         #[cfg(target_arch = "x86_64")]
         {
@@ -69,7 +69,7 @@ impl Vectors {
         expect(unsafe_code, reason = "the machine has what is called, see `Vectors`")
     )]
     #[inline]
-    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+    pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
             Instructions::Baseline => kernel.run(),
             // SAFETY: `available` lists only sets that `is_x86_feature_detected!` found on this

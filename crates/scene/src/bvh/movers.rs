@@ -92,7 +92,7 @@ impl Movers {
 
     /// A direction in the axes of a mover's figure, transformed to `map`.
     #[inline]
-    pub fn turn(&self, mover: u32, v: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn turn(&self, mover: u32, v: [f32; 3]) -> [f32; 3] {
         let Some(frame) = self.frames.get(mover as usize) else {
             return v;
         };
@@ -103,6 +103,7 @@ impl Movers {
     /// Makes the node `at` over these boxes: halves along the axis in which their middles spread
     /// most.
     fn split(&mut self, at: usize, boxes: &mut [Boxed]) {
+        // A leaf is a mover: `kind` says that it holds one, see `Node`.
         if let [Boxed { mover, bounds }] = boxes {
             self.nodes[at] = Node {
                 first: *mover,

@@ -51,6 +51,7 @@ impl Node {
 /// One over `component`, kept finite so that no slab test multiplies zero by infinity.
 #[inline(always)]
 pub(super) fn reciprocal(component: f32) -> f32 {
+    // Its inverse times the largest world is still finite in single precision.
     1.0 / if component.abs() < 1e-18 {
         1e-18
     } else {

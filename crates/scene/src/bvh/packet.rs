@@ -107,7 +107,7 @@ impl TriangleBvh {
     }
 
     /// The same; hits of masked triangles count only where `opaque` is true.
-    pub fn cast_packet_filtered(
+    pub(crate) fn cast_packet_filtered(
         &self,
         rays: &RayPacket,
         opaque: impl Fn(&Hit) -> bool,
@@ -135,8 +135,7 @@ impl TriangleBvh {
         hits: &mut PacketHits,
     ) {
         for lane in 0..LANES {
-            let at = |v: &[[f32; LANES]; 3]| [v[0][lane], v[1][lane], v[2][lane]];
-            let (origin, direction) = (at(&rays.origin), at(&rays.direction));
+            let (origin, direction) = (of_lane(&rays.origin, lane), of_lane(&rays.direction, lane));
             if let Some(hit) = self.cast_filtered(origin, direction, rays.limit[lane], opaque) {
                 hits.distance[lane] = hit.distance;
                 hits.triangle[lane] = hit.triangle;
@@ -298,7 +297,6 @@ impl<F: Fn(&Hit) -> bool> Visit for Triangles<'_, F> {
 fn intersect(triangle: &LeafTriangle, rays: &RayPacket, hits: &mut PacketHits) {
     let triangle = *triangle;
     for lane in 0..LANES {
-        let at = |v: &[Lane; 3]| [v[0][lane], v[1][lane], v[2][lane]];
         let Meeting {
             distance,
             u,
@@ -306,8 +304,8 @@ fn intersect(triangle: &LeafTriangle, rays: &RayPacket, hits: &mut PacketHits) {
             hit,
         } = moeller_trumbore(
             &triangle,
-            at(&rays.origin),
-            at(&rays.direction),
+            of_lane(&rays.origin, lane),
+            of_lane(&rays.direction, lane),
             hits.distance[lane],
         );
         hits.distance[lane] = select(hit, distance, hits.distance[lane]);
@@ -329,11 +327,10 @@ fn intersect_masked(
     let (mut distance, mut u, mut v) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
     let mut inside = [0_u32; LANES];
     for lane in 0..LANES {
-        let at = |v: &[Lane; 3]| [v[0][lane], v[1][lane], v[2][lane]];
         let met = moeller_trumbore(
             &triangle,
-            at(&rays.origin),
-            at(&rays.direction),
+            of_lane(&rays.origin, lane),
+            of_lane(&rays.direction, lane),
             hits.distance[lane],
         );
         (distance[lane], u[lane], v[lane]) = (met.distance, met.u, met.v);
@@ -365,6 +362,12 @@ fn intersect_masked(
         hits.u[lane] = select(hit, u[lane], hits.u[lane]);
         hits.v[lane] = select(hit, v[lane], hits.v[lane]);
     }
+}
+
+/// The vector of one ray.
+#[inline(always)]
+fn of_lane(vectors: &[Lane; 3], lane: usize) -> [f32; 3] {
+    [vectors[0][lane], vectors[1][lane], vectors[2][lane]]
 }
 
 /// A bit for each lane whose mask is set.

@@ -39,7 +39,7 @@ impl TriangleBvh {
 
     /// The same. `masked` tells for each triangle (by index) whether it may have holes, so that
     /// casts with a filter must test its hits.
-    pub fn masked(
+    pub(crate) fn masked(
         corners: impl Iterator<Item = [[f32; 3]; 3]>,
         masked: impl Fn(u32) -> bool,
     ) -> Self {
@@ -47,7 +47,7 @@ impl TriangleBvh {
     }
 
     /// The same, with the triangles numbered from `first`.
-    pub fn numbered(
+    pub(crate) fn numbered(
         corners: impl Iterator<Item = [[f32; 3]; 3]>,
         first: u32,
         masked: impl Fn(u32) -> bool,
@@ -66,6 +66,7 @@ impl TriangleBvh {
         };
         if !soup.is_empty() {
             let mut elapsed = std::time::Duration::ZERO;
+            // Worlds are built once and cast into millions of times.
             let tree = build_bvh2_from_tris(&soup, BvhBuildParams::slow_build(), &mut elapsed);
             laid.lay_out(&tree, |i| {
                 leaf_triangle(&soup[i as usize], first + i, masked(first + i))
@@ -123,7 +124,7 @@ impl TriangleBvh {
     }
 
     /// The same; hits of masked triangles count only where `opaque` is true.
-    pub fn cast_filtered(
+    pub(crate) fn cast_filtered(
         &self,
         origin: [f32; 3],
         direction: [f32; 3],

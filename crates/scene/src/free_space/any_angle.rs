@@ -35,6 +35,7 @@ impl Terrain<'_> {
             if cell == goal {
                 return Some(search.trace(start, goal));
             }
+            // The queue has no cheaper entry instead of a dearer one, but both.
             if std::mem::replace(&mut search.closed[cell], true) {
                 continue;
             }

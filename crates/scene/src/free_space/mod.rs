@@ -21,9 +21,10 @@ use slices::{draw, slice};
 
 /// Side of a grid cell, metres, unless the world is so large that cells must be larger.
 const CELL_M: f64 = 0.1;
-/// Solid surfaces below this height above the ground do not stop a robot, metres.
+/// Solid surfaces below this height above the ground do not stop a robot, metres: the radius of its
+/// wheels.
 const BODY_LOW_M: f64 = 0.06;
-/// Solid surfaces above this height do not stop it either, metres.
+/// Solid surfaces above this height do not stop it either, metres: 6 cm above its roof.
 const BODY_HIGH_M: f64 = 0.36;
 /// Free ground beyond the outermost solid surface that belongs to the grid, metres. The ground ends
 /// where the world does.
@@ -92,6 +93,8 @@ impl FreeSpace {
         for polygon in &polygons {
             draw(&grid, polygon, &mut blocked);
         }
+        // Distances are between the middles of cells. `draw` marks every cell that a surface comes
+        // near to, so the footprint keeps at least its radius from all of them.
         let clearance = squared_distances(&blocked, grid.width, grid.height);
         let limit = (radius / grid.cell) * (radius / grid.cell);
         let free: Vec<bool> = clearance.iter().map(|&d| f64::from(d) > limit).collect();

@@ -43,7 +43,7 @@ pub fn builtin_georeference() -> Georeference {
 }
 
 /// The map of a built-in world, doors included; `None` if there is no such world.
-pub fn builtin_map(name: &str) -> Option<Result<OsmData, GenerateError>> {
+pub(crate) fn builtin_map(name: &str) -> Option<Result<OsmData, GenerateError>> {
     let map = MAPS.into_iter().find(|map| map.name == name)?;
     let data = OsmData::from_xml(map.xml.as_bytes());
     Some(data.map_err(|source| GenerateError::Builtin {

@@ -52,7 +52,7 @@ use openbench_core::{Georeference, MapPoint, Pose2};
 use openbench_geometry::Segment;
 use openbench_osm::{OsmData, OsmMap, without_doors};
 
-pub use builtin::{builtin, builtin_georeference, builtin_map, builtin_names};
+pub use builtin::{builtin, builtin_georeference, builtin_names};
 pub use error::GenerateError;
 pub use options::GenerateOptions;
 pub use streets::car::car_figure;
@@ -73,7 +73,8 @@ use water::{coast, quays};
 /// thousand of them.
 const MOST_DETAILED: usize = 400;
 
-/// Things that are built where the map has them, in this order, even if they overlap.
+/// Things that are built where the map has them, in this order, even if they overlap. Triangles and
+/// the numbers of objects follow this order, so another order makes another world.
 const FIXED: [fn(&Inputs, &mut Output); 10] = [
     ground::terrain::build,
     ground::horizon::build,
@@ -148,6 +149,8 @@ pub fn generate(
         Some(start) => start.point(),
         None => extent_of(&OsmMap::new(data, georeference), georeference)?.middle(),
     };
+    // Where the robot starts is known only afterwards. If that is far from the anchor, the world is
+    // generated again about the start: moving finished triangles would round them once more.
     let mut world = generate_about(anchor, data, georeference, seed, options)?;
     if world.start.point().distance(MapPoint::default()) > MAX_FROM_ORIGIN_M {
         let from = world.georeference.offset();
@@ -198,6 +201,8 @@ fn generate_within(
     let map = OsmMap::new(data, georeference);
     let extent = extent_of(&map, georeference)?;
     let sea = coast::sea(data, &map, extent.grown(GROUND_MARGIN_M));
+    // What is computed first restricts what follows: doors look for walls that the map leaves free,
+    // walls around water avoid nothing, and the start avoids all of them.
     let mut clearance = keep_free::of_map(&map, &sea);
     let mut public = without_doors(data);
     let placed = entrances::place(&map, &mut public, seed, options, &clearance);
@@ -286,6 +291,7 @@ fn report(map: &OsmMap) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::builtin::builtin_map;
     use super::*;
 
     #[test]

@@ -5,7 +5,7 @@ use openbench_osm::{ElementId, ElementKind};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-/// The purpose of a stream.
+/// The purpose of a stream. The numbers are part of every world: new purposes go to the end.
 #[derive(Debug, Clone, Copy)]
 #[repr(u64)]
 pub(super) enum Purpose {
@@ -34,6 +34,7 @@ pub(super) fn element_number(element: ElementId) -> u64 {
         ElementKind::Way => 1,
         ElementKind::Relation => 2,
     };
+    // Nodes, ways and relations count independently of each other in OSM.
     (element.id as u64).wrapping_mul(3).wrapping_add(kind)
 }
 

@@ -11,10 +11,13 @@ use crate::beyond::{Rectangle, beyond};
 use crate::scene::Corner;
 use crate::triangulate::triangulate;
 
+/// Sides of cylinders and balls. A circle of 24 sides is 1 % narrower between its corners.
 const SEGMENTS: u32 = 24;
+/// Rows of faces on a ball.
 const RINGS: u32 = 12;
 /// Shortest side of the middle of a collision plane, metres.
 const SOLID_PLANE_EDGE_M: f64 = 200.0;
+
 /// A box around the origin. `metres` is the size of one repeat of the image; `None` stretches one
 /// repeat over each side.
 pub(crate) fn cuboid(size: Vector3<f64>, metres: Option<[f64; 2]>) -> Part {

@@ -14,6 +14,7 @@ use super::error::ImportError;
 use super::warnings::Warnings;
 use super::xml::{child, children, malformed, numbers};
 
+/// Frames that are given in each other, one after the other, at most: a longer chain is a circle.
 const MAX_CHAIN: usize = 64;
 
 /// A pose in a frame.

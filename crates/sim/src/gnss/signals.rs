@@ -138,6 +138,7 @@ impl<'a> Surroundings<'a> {
 impl Mirror {
     /// Whether both are the same plane within the precision of rays.
     fn is_plane_of(&self, other: &Self) -> bool {
+        // 2.6 degrees and 10 cm: bays and window frames belong to their wall.
         self.normal.dot(&other.normal) > 0.999 && (self.distance - other.distance).abs() < 0.1
     }
 }

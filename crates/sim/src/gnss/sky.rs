@@ -39,6 +39,7 @@ impl Sky {
     /// Satellites on a Fibonacci lattice with an orientation drawn from `noise`.
     pub(super) fn new(noise: &mut Noise) -> Self {
         let turned = random_rotation(noise);
+        // The golden ratio less one, in turns: no smaller set of directions repeats.
         let golden = std::f64::consts::TAU * 0.618_033_988_749_895;
         let directions = std::array::from_fn(|i| {
             let z = 1.0 - (2.0 * i as f64 + 1.0) / SATELLITES as f64;

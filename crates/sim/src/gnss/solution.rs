@@ -41,6 +41,7 @@ pub(super) fn solve(ranges: &[Range]) -> Option<Solution> {
     if ranges.len() < 4 {
         return None;
     }
+    // Dilution is that of the unweighted geometry, as receivers report it.
     let plain: Matrix4<f64> = ranges.iter().map(|r| r.row() * r.row().transpose()).sum();
     let shape = plain.try_inverse()?;
     let dilution = (0..3).map(|i| shape[(i, i)]).sum::<f64>().sqrt();

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3};
-use openbench_scene::scene::Layer;
-use openbench_scene::{Material, SceneBuilder};
+use openbench_scene::{Layer, Material, SceneBuilder};
 
 use super::*;
 use openbench_scene::SemanticClass;

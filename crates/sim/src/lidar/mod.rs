@@ -3,15 +3,15 @@
 //!
 //! | module | job |
 //! |---|---|
-//! | [`pattern`] | where each ray points |
+//! | `pattern` | where each ray points |
 //! | `launch` | origins and directions of the rays in the world |
 //! | `order` | the order in which rays are cast |
-//! | [`returns`] | detection and noise of the returns |
+//! | `returns` | detection and noise of the returns |
 
 mod launch;
 mod order;
-pub mod pattern;
-pub mod returns;
+mod pattern;
+mod returns;
 
 use openbench_core::{LidarPoint, LidarScan, Pose3, SimTime};
 use openbench_scene::bvh::{Kernel, LANES, MISS, PacketHits, widest};
@@ -20,8 +20,11 @@ use openbench_scene::{RayPacket, Snapshot, TriangleBvh};
 use crate::noise::Noise;
 use launch::Launch;
 use order::CastingOrder;
-use pattern::{Aim, FIRING_NS, LINES, Pattern, VOLLEY};
-use returns::{Echo, MAX_RANGE_M, MIN_RANGE_M, detection, deviation};
+use pattern::{FIRING_NS, VOLLEY};
+use returns::{Echo, detection, deviation};
+
+pub use pattern::{Aim, LINES, Pattern};
+pub use returns::{MAX_RANGE_M, MIN_RANGE_M};
 
 /// Rays in a scan.
 pub const RAYS_PER_SCAN: usize = 20_000;
@@ -265,8 +268,7 @@ impl BlockHits {
 mod tests {
     use super::*;
     use nalgebra::{Point3, UnitQuaternion, Vector3};
-    use openbench_scene::scene::Layer;
-    use openbench_scene::{Material, Movers, RayCaster, SceneBuilder, SemanticClass};
+    use openbench_scene::{Layer, Material, Movers, RayCaster, SceneBuilder, SemanticClass};
     use std::sync::Arc;
 
     fn scan(lidar: &mut Lidar, caster: &RayCaster, poses: &[Pose3]) -> LidarScan {

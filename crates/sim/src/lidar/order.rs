@@ -2,7 +2,8 @@
 
 use super::pattern::Aim;
 
-/// Buckets round the azimuth and along the elevation.
+/// Buckets round the azimuth and along the elevation: 5 by 4 degrees, with a packet's sixteen rays
+/// or so in each.
 const COLUMNS: usize = 72;
 const ROWS: usize = 16;
 const BUCKETS: usize = COLUMNS * ROWS;

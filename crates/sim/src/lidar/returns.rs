@@ -55,6 +55,8 @@ impl Echo {
 pub(super) fn detection(range: f32, cosine: f32, reflectivity: f32) -> f32 {
     let share = upper(reflectivity * (1.0 / 255.0), DARKEST);
     let light = share * cosine / (range * range);
+    // None below half the threshold, all above one and a half of it: a straight line stands for the
+    // distribution function of the noise.
     let chance = lower(upper(light * (1.0 / THRESHOLD) - 0.5, 0.0), 1.0);
     if range >= MIN_RANGE_M && range <= MAX_RANGE_M {
         chance

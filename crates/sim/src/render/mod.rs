@@ -32,6 +32,7 @@ const SHADOW_RANGE_M: f32 = 150.0;
 
 /// What each pixel of a view shows, for training and scoring. Pixels are in rows from the top.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Labels {
     /// Size of the image.
     pub size: ImageSize,
@@ -55,7 +56,7 @@ pub struct Labels {
 ///
 /// use nalgebra::{Point3, Vector3};
 /// use openbench_core::Pose3;
-/// use openbench_scene::scene::Layer;
+/// use openbench_scene::Layer;
 /// use openbench_scene::{Material, Movers, RayCaster, SceneBuilder, SemanticClass};
 /// use openbench_sim::{ImageSize, Renderer, View};
 ///
@@ -253,8 +254,7 @@ mod tests {
     use super::*;
     use nalgebra::{Point3, Vector3};
     use openbench_core::Pose3;
-    use openbench_scene::scene::Layer;
-    use openbench_scene::{Material, SceneBuilder, SemanticClass};
+    use openbench_scene::{Layer, Material, SceneBuilder, SemanticClass};
     use std::sync::Arc;
 
     /// A red square of 2 m, 5 m ahead, 1 m to the left and 1 m up.

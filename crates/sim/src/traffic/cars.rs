@@ -103,6 +103,7 @@ impl Cars {
     ) -> Self {
         let is_entry = |k: &u32| lanes.pieces[*k as usize].is_entry;
         let mut entries: Vec<u32> = (0..lanes.lanes as u32).filter(is_entry).collect();
+        // In a map without open ends cars come in on any lane.
         if entries.is_empty() {
             entries = (0..lanes.lanes as u32).collect();
         }

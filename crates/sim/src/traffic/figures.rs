@@ -3,8 +3,7 @@
 //! A person is about 1.75 m tall, its limbs prisms between joints.
 
 use nalgebra::{Point3, Vector3};
-use openbench_scene::scene::Layer;
-use openbench_scene::{Corner, Material, MaterialId, Scene, SceneBuilder, SemanticClass};
+use openbench_scene::{Corner, Layer, Material, MaterialId, Scene, SceneBuilder, SemanticClass};
 
 use super::gait::{HEEL_M, Leg, PHASES, TOE_M, arm_swing, opposite, swung};
 

@@ -43,6 +43,7 @@ impl Ground {
             .map(|cell| !free(grid.center(cell)))
             .collect();
         let squares = squared_distances(&blocked, grid.width, grid.height);
+        // To the edge of the blocked cell, which is half a cell nearer than its middle.
         let metres = |square: f32| ((square.sqrt() - 0.5) * grid.cell as f32).max(0.0);
         let clearance = squares.into_iter().map(metres).collect();
         let mut ground = Self {

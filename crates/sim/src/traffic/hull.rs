@@ -2,9 +2,9 @@
 
 use openbench_core::{MapPoint, Pose2};
 
-/// Half the length of a car, metres.
+/// Half the length of a car, metres: that of the longest drawn one, a van.
 pub(crate) const CAR_HALF_LENGTH_M: f64 = 2.22;
-/// Half the width of a car, metres.
+/// Half the width of a car, metres, its wheels included.
 pub(crate) const CAR_HALF_WIDTH_M: f64 = 0.89;
 
 /// A car as people see it.

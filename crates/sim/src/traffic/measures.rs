@@ -23,6 +23,7 @@ const ENCOUNTER_ENDS_S: f64 = 2.0;
 
 /// The measures over an episode.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct EncounterTotals {
     /// Seconds measured.
     pub seconds: f64,
@@ -123,6 +124,7 @@ impl Encounters {
             if time < NEAR_MISS_S && *open == 0.0 {
                 *near_misses += 1;
             }
+            // Twice the threshold: who hesitates near the robot does not count again and again.
             let goes_on = time < NEAR_MISS_S || (*open > 0.0 && time < 2.0 * NEAR_MISS_S);
             *open = if goes_on {
                 ENCOUNTER_ENDS_S

@@ -114,9 +114,9 @@ impl Traffic {
     /// Up to as many people and cars as in `plan`, at places drawn from `seed`; fewer where the map
     /// has no footways or roads for them, see [`placed`](Self::placed).
     ///
-    /// `free` tells whether a disc of [`PERSON_RADIUS_M`] fits at a point. It is asked once for each
-    /// cell of a grid within 300 m of `start`, the robot's place, near which nobody is placed. Cars
-    /// also need it to be true on carriageways.
+    /// `free` tells whether a disc of [`PERSON_RADIUS_M`] fits at a point. It is asked once for
+    /// each cell of a grid within 300 m of `start`, the robot's place, near which nobody is placed.
+    /// Cars also need it to be true on carriageways.
     pub fn new(
         map: &OsmMap,
         free: impl Fn(MapPoint) -> bool,
@@ -163,9 +163,11 @@ impl Traffic {
             return;
         }
         let dt = dt.min(LONGEST_CALL_S);
+        // A step of exactly the longest one must not be divided for its last bit.
         let parts = (dt / LONGEST_STEP_S - 1e-9).ceil().max(1.0);
         let robot = robot.sanitized();
         for _ in 0..parts as usize {
+            // Cars first: people then see where the cars are now, and nobody walks into one.
             self.cars
                 .step(dt / parts, &self.ground, &robot, &self.pedestrians);
             let around = Surroundings {

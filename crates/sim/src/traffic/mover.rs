@@ -39,6 +39,7 @@ impl RobotState {
 
 /// Kind of a mover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MoverKind {
     /// A person on foot.
     Pedestrian,

@@ -26,7 +26,7 @@ const MAX_ACCELERATION: f64 = 4.0;
 const LOOK_AHEAD_M: f64 = 2.0;
 /// Length of a walking cycle, two steps, at usual speed, metres.
 pub(super) const STRIDE_M: f64 = 1.4;
-/// Fastest turn of the body, rad/s.
+/// Fastest turn of the body, rad/s: half round in 0.8 s.
 const MAX_TURN: f64 = 4.0;
 /// Below this speed the body does not turn, m/s.
 const TURNING_SPEED: f64 = 0.15;

@@ -46,6 +46,7 @@ impl Piece {
                 .min((LATERAL / curvature.max(1e-3)).sqrt())
                 .max(SLOWEST);
         }
+        // From the end on: each point limits the speed at the one before it.
         for i in (1..speeds.len()).rev() {
             speeds[i - 1] = speeds[i - 1].min(slowing(speeds[i], spacing));
         }

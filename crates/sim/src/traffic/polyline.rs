@@ -28,6 +28,7 @@ pub(super) fn trimmed(line: &[MapPoint], begin: f64, end: f64) -> Vec<MapPoint> 
     let mut run = 0.0;
     for (i, p) in line.iter().enumerate() {
         run += if i > 0 { line[i - 1].distance(*p) } else { 0.0 };
+        // A point right at a cut would leave a segment without a direction.
         if run > low + 0.01 && run < high - 0.01 {
             kept.push(*p);
         }

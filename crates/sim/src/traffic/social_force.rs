@@ -101,6 +101,7 @@ pub(super) fn from_body(body: Body, heading: [f64; 2], other: Body) -> [f64; 2] 
     let e = [d[0] - y[0], d[1] - y[1]];
     let later = libm::hypot(e[0], e[1]).max(1e-6);
     let sum = away + later;
+    // At least 10 cm: for bodies on one another the force would have no bound.
     let b = (sum * sum - y[0] * y[0] - y[1] * y[1]).max(0.04).sqrt() / 2.0;
     let rims = b - (body.radius + other.radius - 2.0 * PERSON_RADIUS_M);
     let in_sight = -(d[0] * heading[0] + d[1] * heading[1]) >= BACK_COSINE * away;

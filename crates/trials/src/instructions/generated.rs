@@ -210,8 +210,8 @@ fn names(text: &str, k: usize) -> bool {
 fn doors(template: &Template, count: usize, rng: &mut Pcg64Mcg) -> Vec<Door> {
     let mut doors: Vec<Door> = Vec::new();
     while doors.len() < count {
-        // Both numbers are drawn even where the first door determines one: the files of the data set
-        // were generated so.
+        // Both numbers are drawn even where the first door determines one, since the files of the
+        // data set were generated so.
         let mut door = Door {
             building: rng.random_range(1..=BUILDINGS),
             unit: rng.random_range(1..=UNITS),

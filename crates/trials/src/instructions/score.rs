@@ -120,6 +120,7 @@ pub fn score(
         wrong: Vec::new(),
     };
     let mut total = 0.0;
+    // One after the other: parallel plans would disturb each other's times.
     for case in cases {
         let known = case.map.map(|name| &built_in[&name]).or(map);
         let request = PlanRequest {

@@ -237,6 +237,7 @@ struct Decided {
 
 fn decided(number: usize, seed: u64, robot: &RobotDescription) -> Result<Decided, ComparisonError> {
     for draw in 0..MAX_DRAWS {
+        // In the upper half, so that the redrawn scenes of neighbouring seeds differ.
         let scene = scene(number, seed.wrapping_add(draw << 32), robot)
             .map_err(|source| ComparisonError::Scene { number, source })?;
         match reference_motion(&scene, robot) {

@@ -174,6 +174,7 @@ pub fn drive(
         command: Velocity::ZERO,
     };
     let mut touch = Touch::new(&footprint, scene);
+    // The last turn rate that was more than a correction.
     let mut turned = 0.0;
     for cycle in 0..(limit / CYCLE_S) as usize {
         let time = cycle as f64 * CYCLE_S;
@@ -183,6 +184,7 @@ pub fn drive(
             .map_or(Vector2::ZERO, |j| j.by);
         let seen = seen(scene, motion.pose, time, by);
         let pose = Pose2::new(motion.pose.x + by.x, motion.pose.y + by.y, motion.pose.yaw);
+        // The true pose: the estimate's jump is not the robot's.
         drive.track.push(motion.pose);
         let standing = seen.iter().filter(|o| !o.is_moving()).cloned().collect();
         let mut guide = SceneGuide {

@@ -25,7 +25,7 @@ use openbench_bench::score::metrics::{CollisionSum, EncounterSum, collisions};
 use openbench_bench::trace::{Smoothness, SmoothnessSum};
 use openbench_bench::{BenchError, Prepared, TrafficPlan, TruthHandle, TruthLocalizer};
 
-/// Maximum length of a drive.
+/// Maximum length of a drive: short enough for many, which run on several threads.
 const MAX_DRIVE_M: f64 = 500.0;
 /// Maximum duration of a drive, simulated.
 const MAX_DRIVE_TIME: Duration = Duration::from_secs(3000);
@@ -130,6 +130,7 @@ fn one(
     number: usize,
 ) -> Result<PeopleResult, BenchError> {
     let planner = (request.planner)(&course.prepared.robot).map_err(BenchError::world)?;
+    // In the upper half, so that the drives of neighbouring seeds share none.
     let seed = request.seed.wrapping_add((number as u64) << 32);
     let metres = 1000.0 * request.kilometres / drives(request.kilometres) as f64;
     Ok(Ride::new(course, planner, seed)?.ride(number, metres))

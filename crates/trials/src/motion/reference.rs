@@ -2,8 +2,8 @@
 //! there is none.
 //!
 //! A motion is checked for collisions every 10 ms and respects the robot's limits. Its duration is
-//! the reference for planners, unless a motion improved from their own drives ([`improved_duration`]) is
-//! faster.
+//! the reference for planners, unless a motion improved from their own drives is faster
+//! ([`improved_duration`]).
 //!
 //! Infeasibility is proven for the inscribed circle of the footprint: if even the circle has no
 //! path on a fine grid, the footprint has none. Obstacles are shrunk by half a cell's diagonal, so
@@ -23,7 +23,7 @@ use openbench_motion::trajectory::Resolution;
 use openbench_motion::trajectory::{Band, Knot};
 use openbench_motion::{Footprint, Obstacle, Vector2};
 
-use super::drive::is_there;
+use super::drive::{CYCLE_S, is_there};
 use super::retime::retimed;
 use super::scene::Scene;
 
@@ -42,6 +42,10 @@ const WAIT_STEP_S: f64 = 0.25;
 const MAX_WAITS: u32 = 40;
 /// Maximum lateral share of the motion of the wheel rims, which allows for rounding.
 const MAX_LATERAL_SHARE: f64 = 0.01;
+/// Scale of the times of a band from which on it is not tried. It would hardly be the fastest.
+const MAX_SLOWDOWN: f64 = 1.2;
+/// Time between two poses that are checked for collisions.
+const CHECK_STEP_S: f64 = 0.01;
 /// Lateral offsets at which moving obstacles are passed.
 const OFFSETS_M: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
 
@@ -185,6 +189,7 @@ impl Search<'_> {
                 .corners
                 .get(1)
                 .is_some_and(|c| start.inverse_transform(*c).0 < 0.0);
+            // Only if the path leads backwards, turning either way takes about the same time.
             for side in [-1.0, 1.0].into_iter().take(1 + usize::from(behind)) {
                 let along = |corners: &[MapPoint]| {
                     Band::along(start, corners, Some(self.goal.yaw), self.limits, side)
@@ -202,6 +207,7 @@ impl Search<'_> {
                 }
             }
         }
+        // A robot that touches an obstacle may have to back away before it can turn.
         let backed = |length: f64| self.backed(&paths.first()?.corners, length);
         drafts.extend([0.2, 0.5, 1.0].into_iter().filter_map(backed));
         let yaw = Some(self.goal.yaw);
@@ -264,6 +270,7 @@ impl Search<'_> {
         let delayed = waits.filter_map(|wait| shortest.as_ref()?.delayed(wait));
         let mut bands = shortest.iter().cloned().chain(delayed);
         let at_once = bands.find_map(|band| self.slowed(&band).filter(|band| self.is_clear(band)));
+        // Where an obstacle moves, the shortest times may collide and the draft's own may not.
         let as_it_is = self.slowed(band).filter(|band| self.is_clear(band));
         self.earliest(at_once.into_iter().chain(as_it_is))
     }
@@ -291,7 +298,7 @@ impl Search<'_> {
     }
 
     /// The band with all times scaled so that no limit is exceeded; `None` if they would need a
-    /// scale of 1.2 or more.
+    /// scale of [`MAX_SLOWDOWN`] or more.
     fn slowed(&self, band: &Band) -> Option<Band> {
         let knots = band.knots();
         let mut ratio = 1.0_f64;
@@ -322,7 +329,7 @@ impl Search<'_> {
                 })
                 .collect(),
         )
-        .filter(|_| ratio < 1.2)
+        .filter(|_| ratio < MAX_SLOWDOWN)
     }
 
     /// The larger change of speed of the two wheel rims between two velocities, m/s.
@@ -335,15 +342,15 @@ impl Search<'_> {
     }
 
     /// Whether the footprint collides nowhere, or no deeper than at the start, and the band
-    /// respects
-    /// the non-holonomic constraint.
+    /// respects the non-holonomic constraint.
     fn is_clear(&self, band: &Band) -> bool {
         let (obstacles, footprint) = (&self.scene.obstacles, self.footprint);
         let mut floor = f64::NEG_INFINITY;
-        let steps = (band.duration() / 0.01).ceil() as usize;
+        let steps = (band.duration() / CHECK_STEP_S).ceil() as usize;
         (0..=steps).all(|i| {
-            let time = (i as f64 * 0.01).min(band.duration());
+            let time = (i as f64 * CHECK_STEP_S).min(band.duration());
             let clear = clearance(footprint, obstacles.iter(), band.pose_at(time), time, 0.1);
+            // A robot may start in contact, within rounding.
             if i == 0 {
                 floor = clear.min(0.0);
             }
@@ -469,18 +476,18 @@ fn with_opposite_last_turn(band: &Band) -> Option<Band> {
     let last = knots.last_mut()?;
     let turn = last.pose.yaw - before;
     last.pose.yaw -= std::f64::consts::TAU.copysign(turn);
-    // An initial time at 1 rad/s; the optimizer changes it.
+    // An initial time at 1 rad/s; the optimizer improves it.
     last.time += std::f64::consts::TAU - 2.0 * turn.abs();
     (turn.abs() > 1.0).then(|| Band::new(knots)).flatten()
 }
 
 /// The time, in seconds, from which a band stays within the tolerance of its goal.
 fn arrival(band: &Band, goal: Pose2) -> f64 {
-    let steps = (band.duration() / 0.05) as usize;
+    let steps = (band.duration() / CYCLE_S) as usize;
     let away = (0..=steps)
         .rev()
-        .find(|&i| !is_there(band.pose_at(i as f64 * 0.05), goal));
-    away.map_or(0.0, |i| (i + 1) as f64 * 0.05)
+        .find(|&i| !is_there(band.pose_at(i as f64 * CYCLE_S), goal));
+    away.map_or(0.0, |i| (i + 1) as f64 * CYCLE_S)
         .min(band.duration())
 }
 

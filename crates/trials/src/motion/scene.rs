@@ -9,6 +9,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
+/// Speed at which the robot probably approaches, m/s: people are timed to meet it.
+const ROBOT_SPEED_MPS: f64 = 0.45;
+
 /// The difficulty of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -171,6 +174,7 @@ impl Placing {
     fn obstacle(&self, o: &Obstacle) -> Result<Obstacle, ShapeError> {
         let (corners, rounding) = (o.corners(), o.rounding());
         let mut corners: Vec<MapPoint> = corners.map(|c| self.point(c)).collect();
+        // A reflection reverses the order of the corners, which is counter-clockwise.
         if self.mirror < 0.0 {
             corners.reverse();
         }
@@ -279,6 +283,7 @@ impl Draft<'_> {
     }
 
     fn narrow_gap(&mut self) -> Result<(), ShapeError> {
+        // One gap in seven is narrower than the robot, which has to be recognized.
         let spare = if self.chance(0.85) {
             0.05
         } else {
@@ -303,12 +308,14 @@ impl Draft<'_> {
 
     fn dead_end(&mut self) -> Result<(), ShapeError> {
         let narrow = self.chance(0.5);
+        // Narrow: less than the robot's diagonal, so that it can only leave backwards.
         let half = if narrow {
             self.between(0.19, 0.22)
         } else {
             self.between(0.3, 0.8)
         };
         let (front, back) = (self.between(0.3, 1.5), self.between(0.5, 2.0));
+        // Closed on all sides, so that there is no motion.
         let closed = self.chance(0.15);
         self.room(point(-back - 3.0, -3.0), point(front + 2.0, 3.0))?;
         self.block(point(-back, half), point(front, half + 0.1))?;
@@ -336,6 +343,7 @@ impl Draft<'_> {
         self.block(point(x, -3.0), point(x + 0.1, y - half))?;
         self.block(point(x, y + half), point(x + 0.1, 3.0))?;
         let side = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
+        // Along the corridor, so that the robot turns directly behind the door.
         let along = side * self.between(1.0, 1.8) + y;
         self.goal = Pose2::new(
             x + 0.1 + width / 2.0,
@@ -384,7 +392,7 @@ impl Draft<'_> {
             let side = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
             let bearing = side * self.between(0.9, 2.2);
             let (seconds, speed) = (
-                at.x / 0.45 + self.between(-1.0, 1.0),
+                at.x / ROBOT_SPEED_MPS + self.between(-1.0, 1.0),
                 self.between(0.4, 1.3),
             );
             self.person(at, seconds, speed, bearing)?;
@@ -401,7 +409,7 @@ impl Draft<'_> {
         }
         let speed = self.between(0.4, 1.3);
         let at = MapPoint::new(self.between(1.5, 2.5), self.between(-0.1, 0.1));
-        self.person(at, at.x / 0.45, speed, std::f64::consts::PI)
+        self.person(at, at.x / ROBOT_SPEED_MPS, speed, std::f64::consts::PI)
     }
 
     fn touching(&mut self) -> Result<(), ShapeError> {

@@ -13,8 +13,7 @@ use openbench_core::Pose3;
 use openbench_scene::bvh::{LANES, MISS};
 use openbench_scene::{RayPacket, Scene};
 use openbench_sim::Stage;
-use openbench_sim::lidar::pattern::{LINES, Pattern};
-use openbench_sim::lidar::{RAYS_PER_SCAN, returns::MAX_RANGE_M};
+use openbench_sim::lidar::{LINES, MAX_RANGE_M, Pattern, RAYS_PER_SCAN};
 use serde_json::{Value, json};
 
 use openbench_bench::BenchError;

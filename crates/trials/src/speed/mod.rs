@@ -4,9 +4,9 @@
 //! |---|---|
 //! | [`sim`] | rays, images, and the whole simulator |
 //! | [`routing`] | routes, nearest positions, tables, and the preparation of a map |
-//! | [`dump`] | writes the measured triangles and rays as files for other programs |
+//! | `dump` | writes the measured triangles and rays as files for other programs |
 
-pub mod dump;
+mod dump;
 pub mod routing;
 pub mod sim;
 
@@ -21,6 +21,7 @@ fn fastest(repetitions: usize, mut work: impl FnMut()) -> Duration {
         work();
         began.elapsed()
     };
+    // CPU time of the thread: that of other processes would otherwise be counted.
     std::iter::repeat_n((), repetitions)
         .map(once)
         .min()

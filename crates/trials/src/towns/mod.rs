@@ -7,15 +7,15 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`plan`] | [`TownsPlan`]: the parameters of the experiment |
-//! | [`windows`] | random windows of maps |
-//! | [`odometry`] | odometry errors on a drive through a window |
-//! | [`summary`] | [`Town`] and [`Towns`]: the results of one window and of all |
+//! | `plan` | [`TownsPlan`]: the parameters of the experiment |
+//! | `windows` | random windows of maps |
+//! | `odometry` | odometry errors on a drive through a window |
+//! | `summary` | [`Town`] and [`Towns`]: the results of one window and of all |
 
-pub mod odometry;
-pub mod plan;
-pub mod summary;
-pub mod windows;
+mod odometry;
+mod plan;
+mod summary;
+mod windows;
 
 use std::path::{Path, PathBuf};
 
@@ -27,9 +27,9 @@ use openbench_bench::{AgentFactory, BenchError, Level, Prepared, RunRequest, run
 
 pub use odometry::OdometrySum;
 pub use plan::TownsPlan;
-pub use summary::{Town, Towns};
-pub use windows::MIN_DOORS;
-use windows::{DrawnWorld, Maps, WindowPlace};
+pub use summary::{PoseSum, Town, Towns};
+pub use windows::WindowPlace;
+use windows::{DrawnWorld, Maps};
 
 /// The file of a finished window.
 const TOWN_FILE: &str = "town.json";
@@ -63,6 +63,7 @@ pub fn run(request: &TownsRequest<'_>) -> Result<Towns, BenchError> {
     let mut towns: Vec<Town> = Vec::new();
     for number in 0..request.windows {
         let folder = folder(request.out, number);
+        // The file of a window is written last, so a window that has one is complete.
         if let Some(town) = read::<Town>(&folder.join(TOWN_FILE))? {
             (request.progress)(&town, true);
             towns.push(town);

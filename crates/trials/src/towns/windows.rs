@@ -14,7 +14,7 @@ use openbench_bench::worlds::folder::{DrawRequest, write};
 use openbench_bench::{BenchError, Prepared};
 
 /// Minimum number of doors to deliver to in a window.
-pub const MIN_DOORS: usize = 10;
+const MIN_DOORS: usize = 10;
 /// Maximum number of positions of a map that are tried for one window.
 const MAX_TRIES: usize = 60;
 /// Minimum number of buildings in a window.
@@ -61,8 +61,8 @@ impl Maps {
         Ok(Self(maps?))
     }
 
-    /// Draws window `number` of a plan, which overlaps none of the `taken` ones, and writes its world
-    /// to `folder`.
+    /// Draws window `number` of a plan, which overlaps none of the `taken` ones, and writes its
+    /// world to `folder`.
     ///
     /// If its map has no space for another window, the next map is used; `None` if no map has.
     ///
@@ -98,6 +98,7 @@ impl Maps {
             data,
             buildings,
         } = &self.0[map];
+        // A stream for each window: windows do not depend on how many tries earlier ones took.
         let mut random = Pcg32::new(plan.seed, number as u64);
         let mut tried: Vec<LonLat> = Vec::new();
         for _ in 0..MAX_TRIES.min(buildings.len()) {

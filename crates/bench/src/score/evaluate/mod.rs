@@ -25,10 +25,11 @@ use crate::suite::truth_file::parse_truth;
 
 mod log;
 
-pub use log::{LoggedTask, parse_log};
+use log::{LoggedTask, parse_log};
 
 /// A log or truth file that cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum EvaluateError {
     /// A file cannot be read.
     #[error("cannot read {}", path.display())]

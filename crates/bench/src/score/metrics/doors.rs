@@ -56,7 +56,7 @@ pub fn score_doors(written: &[PlacedDoor], true_doors: &[PlacedDoor]) -> DoorSco
     }
 }
 
-/// The error of the written door that is nearest to a door of the world; `None` if it was not found.
+/// The least error of the written doors that are a door of the world; `None` if it was not found.
 fn least_error(written: &[PlacedDoor], door: &PlacedDoor) -> Option<f64> {
     written
         .iter()

@@ -114,6 +114,7 @@ pub fn localization<'a>(
         .iter()
         .map(|distance| distance * distance)
         .sum::<f64>();
+    // The nearest rank: an error that occurred, and none interpolated between two.
     let p95_m = distances[(distances.len() * 95).div_ceil(100) - 1];
     let rmse_m = (squares / distances.len() as f64).sqrt();
     Some(LocalizationSum {

@@ -35,7 +35,7 @@ pub use doors::{DoorScore, score_doors};
 pub use encounters::EncounterSum;
 pub use localization::{ErrorCounts, LocalizationSum};
 pub use path_ratio::{path_ratio, spl};
-pub use sequence::{sequence_mean, sequence_weights};
+pub use sequence::sequence_mean;
 pub use srtp::{ExpectedPlan, srtp};
 pub use success::{Strict, paper_success};
 pub use summary::{RunTotals, summarize};

@@ -9,7 +9,7 @@
 const DECAY: f64 = 0.9;
 
 /// The weights `c_1` to `c_n` of a sequence of `n` deliveries; their sum is 1.
-pub fn sequence_weights(n: usize) -> Vec<f64> {
+fn sequence_weights(n: usize) -> Vec<f64> {
     let powers: Vec<f64> = (0..n)
         .scan(1.0, |p, _| Some(std::mem::replace(p, *p * DECAY)))
         .collect();

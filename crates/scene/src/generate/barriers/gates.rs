@@ -15,6 +15,8 @@ pub(crate) const GATE_MARGIN_M: f64 = 0.8;
 const GATE_HALF_WIDTH_M: f64 = 0.9;
 /// A gate or road this near to a wall opens it, metres.
 const AT_WALL_M: f64 = 0.1;
+/// Roads at smaller angles open a wall as wide as at this one; sine of the angle.
+const LEAST_SINE: f64 = 0.3;
 /// A shorter piece between two openings is left out, metres.
 const SHORTEST_M: f64 = 0.3;
 /// A longer stretch between two corners of a wall is invalid data and is left out, metres.
@@ -54,7 +56,8 @@ pub(crate) fn between_gates(
         };
         if let Some(crossing) = line.crossing(lane.ends(roads)) {
             let across = profile.width / 2.0 + profile.pavement + GATE_MARGIN_M;
-            let half = across / crossing.sine.max(0.3);
+            // A road nearly along the wall would open all of it.
+            let half = across / crossing.sine.max(LEAST_SINE);
             let at = crossing.share * whole - before;
             gaps.push(at - half..at + half);
         }

@@ -23,6 +23,9 @@ const LARGE_M2: f64 = 2_500.0;
 const TALL_M2: f64 = 220.0;
 /// Widest rectangle under a gabled or hipped roof, metres.
 const WIDEST_SPAN_M: f64 = 20.0;
+/// Cosine of the angle of a corner that is still square enough for a gabled roof: houses are drawn
+/// from aerial images, whose corners are off by some degrees.
+const LARGEST_COSINE: f64 = 0.2;
 /// Buildings from so many levels on are built like those of towns.
 const TOWN_LEVELS: usize = 4;
 
@@ -315,12 +318,14 @@ fn tagged_slope(tags: &Tags, ring: &[MapPoint]) -> Option<f64> {
 
 /// Four corners of about 90 degrees, and small enough for a roof over it.
 fn is_rectangle(ring: &[MapPoint]) -> bool {
-    let square = |i: usize| {
-        let (a, b, c) = (ring[(i + 3) % 4], ring[i], ring[(i + 1) % 4]);
-        let dot = (a.x - b.x) * (c.x - b.x) + (a.y - b.y) * (c.y - b.y);
-        dot.abs() < 0.2 * a.distance(b) * c.distance(b)
-    };
-    ring.len() == 4 && (0..4).all(square) && shorter_side(ring) < WIDEST_SPAN_M
+    let is_square = |i: usize| is_right_angle(ring[(i + 3) % 4], ring[i], ring[(i + 1) % 4]);
+    ring.len() == 4 && (0..4).all(is_square) && shorter_side(ring) < WIDEST_SPAN_M
+}
+
+/// Whether the angle at `b` is a right one, to about 12 degrees.
+fn is_right_angle(a: MapPoint, b: MapPoint, c: MapPoint) -> bool {
+    let dot = (a.x - b.x) * (c.x - b.x) + (a.y - b.y) * (c.y - b.y);
+    dot.abs() < LARGEST_COSINE * a.distance(b) * c.distance(b)
 }
 
 /// The shorter of the first two sides, metres.

@@ -48,6 +48,7 @@ const LOWEST_FLOOR_M: f64 = 0.5;
 pub(super) fn build(inputs: &Inputs, out: &mut Output) {
     let mut parts = parts::of_buildings(inputs.map, &mut out.warnings);
     let mut doorways = inputs.doorways.as_slice();
+    // Doorways are in the order of the buildings, so each building's own are at the front.
     for (index, building) in inputs.map.buildings.iter().enumerate() {
         let name = building.name.clone().unwrap_or("building".into());
         out.scene.begin_object(name, SemanticClass::Building);
@@ -76,6 +77,7 @@ fn build_one(
         roofs::shelter(out, &house);
         return;
     }
+    // Parts may lower the house itself, so they are designed before its walls are built.
     let parts = parts::design_parts(inputs, &mut house, building, areas);
     for wall in walls(building) {
         facades::build(inputs, out, &house, wall, doors, &mut rng);

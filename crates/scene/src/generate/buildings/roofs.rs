@@ -126,14 +126,22 @@ fn hipped(inputs: &Inputs, out: &mut Output, house: &House, slope: f64, rng: &mu
     }
 }
 
+/// All rings moved inwards; `None` if an edge would be reversed.
+fn moved(rings: &[Vec<MapPoint>], offset: f64) -> Option<Vec<Vec<MapPoint>>> {
+    rings.iter().map(|ring| inset(ring, offset)).collect()
+}
+
+/// Area inside the first ring and outside of the holes, m².
+fn area(rings: &[Vec<MapPoint>]) -> f64 {
+    rings.iter().map(|ring| signed_area(ring)).sum()
+}
+
 fn mansard(inputs: &Inputs, out: &mut Output, house: &House, rng: &mut Pcg64Mcg) {
     let (run, rise) = (between(rng, 0.9, 1.4), between(rng, 1.4, 2.0));
-    let moved = |offset: f64| -> Option<Vec<Vec<MapPoint>>> {
-        house.rings.iter().map(|ring| inset(ring, offset)).collect()
-    };
-    let area = |rings: &Vec<Vec<MapPoint>>| rings.iter().map(|r| signed_area(r)).sum::<f64>();
-    let inner = moved(run).filter(|rings| area(rings) > SMALLEST_TOP_M2);
-    let (Some(inner), Some(outer)) = (inner, moved(-MANSARD_OVERHANG_M)) else {
+    let inner = moved(&house.rings, run).filter(|rings| area(rings) > SMALLEST_TOP_M2);
+    let outer = moved(&house.rings, -MANSARD_OVERHANG_M);
+    let (Some(inner), Some(outer)) = (inner, outer) else {
+        // Slopes over a narrow or jagged outline would cross each other.
         flat(out, house, rng);
         return;
     };

@@ -74,6 +74,7 @@ pub(super) fn build(
         let middle = length * (column as f64 + 0.5) / columns as f64;
         let pose = line.facing_out(middle / length);
         for level in 0..house.levels {
+            // Drawn for every place, so that a door does not change the windows after it.
             let look = pick(rng, &[0, 1]);
             let floor = house.foot + level as f64 * storey;
             let is_ground = level == 0 && house.foot == 0.0;

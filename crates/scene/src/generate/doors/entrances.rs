@@ -91,6 +91,7 @@ pub(crate) fn place(
         } else {
             Vec::new()
         };
+        // Names are drawn for doors beyond the limit too: the limit must not rename the others.
         let room = MAX_DOORS.saturating_sub(doorways.len());
         placer.beyond += found.len().saturating_sub(room);
         doorways.extend(found.into_iter().take(room));
@@ -314,6 +315,8 @@ fn doorway(
     } else {
         -PLATE_OFFSET_M
     };
+    // Some plates hang on the leaf although there is room beside it. The draw comes before the
+    // search for room, so that a neighbour's door does not change the rest of this one.
     if !chance(rng, 0.3) {
         let offset = [first, -first]
             .into_iter()

@@ -30,6 +30,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
     let in_the_way = DOOR | PATH | ROAD | PAVED | START | BARRIER | OBJECT | WATER;
     let buildings = inputs.map.buildings.iter();
     for building in buildings.filter(|b| b.polygon.area() < LARGEST_BUILDING_M2) {
+        // The highest bit keeps bins apart from mapped furniture, which is numbered by its nodes.
         let element = element_number(building.element) | 1 << 63;
         let mut rng = stream(inputs.seed, Purpose::Furniture, element);
         let wall = pick(&mut rng, &walls(building));

@@ -42,6 +42,8 @@ pub(super) fn ball(
     }
     let (sin, cos) = libm::sincos(between(rng, 0.0, TAU));
     let mut corner = |d: &Vector3<f64>| -> Corner {
+        // Drawn once for each corner: neighbouring faces share it, so the ball stays closed however
+        // deep the dents are.
         let dent = between(rng, 0.82, 1.12);
         let (x, y) = (cos * d.x - sin * d.y, sin * d.x + cos * d.y);
         let away = Vector3::new(

@@ -85,6 +85,8 @@ pub(crate) fn build(inputs: &Inputs, scene: &mut SceneBuilder, line: Segment, si
         TOWN_SECTION_M
     };
     let count = ((length / spacing) as usize).clamp(1, MAX_SECTIONS);
+    // By place: a way has one hedge for each stretch that gates leave of it. The highest bit keeps
+    // them apart from the ways themselves.
     let place = (line.start.x * 10.0) as i64 ^ ((line.start.y * 10.0) as i64) << 24;
     let mut rng = stream(inputs.seed, Purpose::Barrier, place as u64 | 1 << 63);
     let sections: Vec<Section> = (0..=count)

@@ -27,6 +27,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
         if !extent.meets(area.polygon.bounds(), BEYOND_BUILDINGS_M) {
             continue;
         }
+        // The highest bit keeps woods apart from single trees, which are numbered by their nodes.
         let element = element_number(area.element) | 1 << 63;
         let mut rng = stream(inputs.seed, Purpose::Tree, element);
         let conifers = if area.tags.is("leaf_type", "needleleaved") {

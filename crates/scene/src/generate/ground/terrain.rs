@@ -99,6 +99,7 @@ fn land(
         .sum();
     let wet: f64 = sea.iter().map(|part| signed_area(&part.outer)).sum();
     let whole = signed_area(outline);
+    // Ear clipping of rings that cross each other leaves gaps or overlaps; the area shows both.
     let good = (covered - (whole - wet)).abs() < AREA_TOLERANCE * whole;
     if good {
         floor(scene, grass, outline, &holes, 0.0);

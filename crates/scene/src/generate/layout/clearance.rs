@@ -8,7 +8,7 @@ use openbench_geometry::{Polygon, Segment, segments};
 
 use crate::generate::error::MAX_EXTENT_M;
 
-/// Side of a grid cell, metres.
+/// Side of a grid cell, metres: about a house. Smaller cells would hold every long wall many times.
 const CELL_M: f64 = 16.0;
 /// Entries in the grid at most: a map that is scattered over half the Earth must not fill the
 /// memory.
@@ -16,7 +16,7 @@ const MAX_ENTRIES: usize = 20_000_000;
 /// Pieces at most in which a segment is entered into the grid.
 const MAX_PIECES: f64 = 4096.0;
 
-/// Kinds of things, a bit each; sums of kinds are masks.
+/// Kinds of things, a bit each; unions of kinds are masks.
 pub(crate) type Kinds = u16;
 pub(crate) const BUILDING: Kinds = 1;
 pub(crate) const BARRIER: Kinds = 2;

@@ -7,7 +7,7 @@ use openbench_core::MapPoint;
 use openbench_geometry::{Segment, segments};
 use openbench_osm::Road;
 
-/// Side of a cell, metres.
+/// Side of a cell, metres: a few segments of a street fit in one.
 const CELL_M: f64 = 32.0;
 /// A longer segment is that of no street and is not indexed, metres.
 const LONGEST_M: f64 = 5_000.0;

@@ -59,6 +59,7 @@ impl Reach {
 fn blocked(grid: &GridGeometry, cell: f64, walls: impl Iterator<Item = Segment>) -> Vec<bool> {
     let mut blocked = vec![false; grid.len()];
     for wall in walls {
+        // Twice a cell, so that no cell on the way is stepped over.
         let steps = (2.0 * wall.length() / cell).ceil();
         let steps = steps.clamp(1.0, 4.0 * MAX_CELLS as f64) as usize;
         for i in 0..=steps {

@@ -65,12 +65,16 @@ fn nearest_first(mut poses: Vec<Pose2>, middle: MapPoint) -> Vec<Pose2> {
 
 /// The median of the doors: half of them lie to each side of it.
 fn middle_of(doorways: &[Doorway]) -> Option<MapPoint> {
-    let median = |get: fn(MapPoint) -> f64| {
-        let mut values: Vec<f64> = doorways.iter().map(|d| get(d.position)).collect();
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied()
-    };
-    Some(MapPoint::new(median(|p| p.x)?, median(|p| p.y)?))
+    let x = median(doorways.iter().map(|d| d.position.x))?;
+    let y = median(doorways.iter().map(|d| d.position.y))?;
+    Some(MapPoint::new(x, y))
+}
+
+/// The upper median of numbers; `None` if there are none.
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 /// A place in front of a door, looking away from it.
@@ -109,4 +113,15 @@ fn along_segment(segment: Segment, left: f64) -> impl Iterator<Item = Pose2> {
         let p = Pose2::new(p.x, p.y, yaw).transform(0.0, left);
         Pose2::new(p.x, p.y, yaw)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_far_door_does_not_move_the_middle() {
+        assert_eq!(median([2.0, 900.0, 1.0].into_iter()), Some(2.0));
+        assert_eq!(median(std::iter::empty()), None);
+    }
 }

@@ -25,8 +25,8 @@ pub(super) fn paint(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]
 
 /// A colour from numbers between 0 and 1.
 pub(super) fn rgb(color: [f32; 3], brightness: f32) -> [u8; 4] {
-    let byte = |c: f32| (c * brightness * 255.0).clamp(0.0, 255.0) as u8;
-    [byte(color[0]), byte(color[1]), byte(color[2]), 255]
+    let [red, green, blue] = color.map(|c| (c * brightness * 255.0).clamp(0.0, 255.0) as u8);
+    [red, green, blue, 255]
 }
 
 fn grey(brightness: f32) -> [u8; 4] {
@@ -42,11 +42,8 @@ pub(super) fn speck(x: u32, y: u32, seed: u64) -> f32 {
 /// wide (a divisor of SIDE).
 pub(super) fn cloud(x: u32, y: u32, grain: u32, seed: u64) -> f32 {
     let period = SIDE / grain;
-    let smooth = |t: f32| t * t * (3.0 - 2.0 * t);
-    let (tx, ty) = (
-        smooth((x % grain) as f32 / grain as f32),
-        smooth((y % grain) as f32 / grain as f32),
-    );
+    let tx = smoothstep((x % grain) as f32 / grain as f32);
+    let ty = smoothstep((y % grain) as f32 / grain as f32);
     let (cx, cy) = (x / grain, y / grain);
     let knot = |i: u32, j: u32| speck((cx + i) % period, (cy + j) % period, seed);
     let (top, bottom) = (
@@ -56,6 +53,12 @@ pub(super) fn cloud(x: u32, y: u32, grain: u32, seed: u64) -> f32 {
     top + (bottom - top) * ty
 }
 
+/// A cubic from 0 to 1 that is level at both ends, so that no edge between cells shows.
+fn smoothstep(t: f32) -> f32 {
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Clouds of three sizes.
 fn rough(x: u32, y: u32, seed: u64) -> f32 {
     0.5 * cloud(x, y, 64, seed) + 0.3 * cloud(x, y, 16, seed ^ 1) + 0.2 * cloud(x, y, 4, seed ^ 2)
 }

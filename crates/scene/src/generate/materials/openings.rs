@@ -114,17 +114,21 @@ pub(super) fn stripes() -> Texture {
 
 /// Whether a texel belongs to a glazing bar of a window of this size, texels.
 fn is_bar([x, y]: [u32; 2], [width, height]: [u32; 2], glazing: Glazing) -> bool {
-    let near = |value: u32, middle: u32, half: u32| value.abs_diff(middle) <= half;
     match glazing {
-        Glazing::Single => near(y, height / 4, 2),
-        Glazing::Casements => near(x, width / 2, 3),
+        Glazing::Single => is_within(y, height / 4, 2),
+        Glazing::Casements => is_within(x, width / 2, 3),
         Glazing::Sash => {
-            near(x, width / 2, 1)
-                || near(y, height / 2, 2)
-                || near(y, height / 4, 1)
-                || near(y, 3 * height / 4, 1)
+            is_within(x, width / 2, 1)
+                || is_within(y, height / 2, 2)
+                || is_within(y, height / 4, 1)
+                || is_within(y, 3 * height / 4, 1)
         }
     }
+}
+
+/// Whether a texel lies within `half` texels of the middle of a bar.
+fn is_within(texel: u32, middle: u32, half: u32) -> bool {
+    texel.abs_diff(middle) <= half
 }
 
 /// A panelled door leaf with a handle, grey for tinting; glazed at the top if `glass`.

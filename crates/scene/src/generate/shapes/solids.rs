@@ -18,6 +18,9 @@ pub(crate) struct Block {
     pub max: [f64; 3],
 }
 
+/// Lower undersides are not drawn, metres.
+const LOWEST_UNDERSIDE_M: f64 = 0.05;
+
 /// An upright frustum with a regular polygon as its base.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Frustum {
@@ -84,7 +87,8 @@ pub(crate) fn cuboid(
         wall(scene, layer, surface, side, min[2]..max[2]);
     }
     facet(scene, layer, surface, &ring.map(|q| at(q, max[2])));
-    if min[2] > 0.05 {
+    // Nothing looks under what stands on the ground or a hand's breadth above it.
+    if min[2] > LOWEST_UNDERSIDE_M {
         let [a, b, c, d] = ring.map(|q| at(q, min[2]));
         facet(scene, layer, surface, &[a, d, c, b]);
     }
@@ -102,9 +106,13 @@ pub(crate) fn frustum(
         radii,
     }: Frustum,
 ) {
-    let direction = |i: usize| TAU * i as f64 / sides as f64;
-    let bottom = |i: usize| at(center.offset(direction(i), radii[0]), z.start);
-    let top = |i: usize| at(center.offset(direction(i), radii[1]), z.end);
+    let corner = |i: usize, radius: f64, z: f64| {
+        let direction = TAU * i as f64 / sides as f64;
+        at(center.offset(direction, radius), z)
+    };
+    let bottom = |i: usize| corner(i, radii[0], z.start);
+    let top = |i: usize| corner(i, radii[1], z.end);
+    // A point has no face to close it.
     let has_top = radii[1] > 1e-6;
     for i in 0..sides {
         if has_top {

@@ -54,6 +54,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
         parking.along_kerbs(road, &mut rng);
     }
     for area in inputs.map.areas.iter().filter(|a| is_car_park(&a.tags)) {
+        // The highest bit keeps car parks apart from roads, which are numbered by their ways.
         let element = element_number(area.element) | 1 << 63;
         let mut rng = stream(inputs.seed, Purpose::Cars, element);
         parking.car_park(&area.polygon, &mut rng);

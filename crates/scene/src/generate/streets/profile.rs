@@ -31,6 +31,33 @@ struct Usual {
     street: bool,
 }
 
+impl Usual {
+    /// For cars alone.
+    fn road(width: f64) -> Self {
+        Self {
+            width,
+            for_cars: true,
+            street: false,
+        }
+    }
+
+    /// For cars, with pavements.
+    fn street(width: f64) -> Self {
+        Self {
+            street: true,
+            ..Self::road(width)
+        }
+    }
+
+    /// For people alone.
+    fn path(width: f64) -> Self {
+        Self {
+            for_cars: false,
+            ..Self::road(width)
+        }
+    }
+}
+
 /// The profile of a way; `None` if nothing of it is on the ground.
 pub(crate) fn profile(tags: &Tags) -> Option<Profile> {
     let underground = tags.says("tunnel") || tags.get("layer").is_some_and(|l| l.starts_with('-'));
@@ -67,21 +94,7 @@ pub(crate) fn profile(tags: &Tags) -> Option<Profile> {
 }
 
 fn usual(tags: &Tags) -> Option<Usual> {
-    let road = |width| Usual {
-        width,
-        for_cars: true,
-        street: false,
-    };
-    let street = |width| Usual {
-        width,
-        for_cars: true,
-        street: true,
-    };
-    let path = |width| Usual {
-        width,
-        for_cars: false,
-        street: false,
-    };
+    let (road, street, path) = (Usual::road, Usual::street, Usual::path);
     Some(match tags.get("highway")? {
         "motorway" | "trunk" => road(10.0),
         "primary" => street(8.5),

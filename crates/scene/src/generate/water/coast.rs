@@ -17,6 +17,8 @@ pub(crate) const SEA_LEVEL_M: f64 = -0.5;
 /// A corner of the coast nearer than this to the one before is left out, metres; twice as much
 /// where there are too many corners.
 const FINEST_M: f64 = 2.0;
+/// A smaller area is no sea, m²: two lines on one another enclose one.
+const SMALLEST_SEA_M2: f64 = 1.0;
 /// Corners of one coast at most.
 const MAX_CORNERS: usize = 1_500;
 
@@ -34,6 +36,7 @@ pub(crate) fn sea(data: &OsmData, map: &OsmMap, extent: Bounds) -> Vec<Polygon> 
             .collect();
         let points = coarse(points, FINEST_M);
         let pieces = clipped(&points, extent);
+        // A ring that reaches over the edge of the rectangle is cut like any other coast.
         let whole = line.first() == line.last() && points.iter().all(|p| extent.holds(*p, 0.0));
         if whole {
             islands.push(bounded(points));
@@ -137,29 +140,30 @@ fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Bounds) -> Vec<Vec<MapPoint>> 
         let begin = run(ring[0], extent);
         loop {
             let from = ring.last().map_or(0.0, |p| run(*p, extent));
-            let ahead = |to: f64| {
-                if to >= from {
-                    to - from
-                } else {
-                    to - from + 4.0
-                }
-            };
-            let next = (0..pieces.len()).min_by(|i, j| {
-                ahead(run(pieces[*i][0], extent)).total_cmp(&ahead(run(pieces[*j][0], extent)))
-            });
-            let next = next.filter(|i| ahead(run(pieces[*i][0], extent)) < ahead(begin));
+            let ahead_to = |i: &usize| ahead(from, run(pieces[*i][0], extent));
+            let next = (0..pieces.len()).min_by(|i, j| ahead_to(i).total_cmp(&ahead_to(j)));
+            let next = next.filter(|i| ahead_to(i) < ahead(from, begin));
             let to = next.map_or(begin, |i| run(pieces[i][0], extent));
-            ring.extend(corners_between(from, ahead(to), extent));
+            ring.extend(corners_between(from, ahead(from, to), extent));
             match next {
                 Some(i) => ring.extend(pieces.swap_remove(i)),
                 None => break,
             }
         }
-        if signed_area(&ring) > 1.0 {
+        if signed_area(&ring) > SMALLEST_SEA_M2 {
             rings.push(ring);
         }
     }
     rings
+}
+
+/// The way from one position on the edge of the rectangle to another, counter-clockwise, in sides.
+fn ahead(from: f64, to: f64) -> f64 {
+    if to >= from {
+        to - from
+    } else {
+        to - from + 4.0
+    }
 }
 
 /// Position of a point on the edge of the rectangle, in sides: 0 to 4, counter-clockwise from the

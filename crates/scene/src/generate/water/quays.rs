@@ -49,6 +49,7 @@ pub(crate) fn lines(
     let shores = shores(map, sea, extent, &is_wet);
     let edges = edges(map, extent, &is_wet);
     let all = shores.into_iter().chain(edges);
+    // Opened where roads lead over water; their own edges were added as walls instead.
     let open = all.flat_map(|line| between_gates(&map.roads, lanes, &[], line, 0.0));
     open.take(MAX_WALLS).collect()
 }
@@ -114,19 +115,24 @@ fn outline(road: &Road, profile: Profile, [first, last]: [bool; 2]) -> Vec<Vec<M
     let left = parallel(&road.points, aside);
     let right = parallel(&road.points, -aside);
     let n = left.len().min(right.len());
-    let cap = |end: usize, before: usize| {
-        let beyond =
-            |edge: &[MapPoint]| edge[end].offset(edge[before].bearing_to(edge[end]), BEYOND_END_M);
-        vec![left[end], beyond(&left), beyond(&right), right[end]]
-    };
     let mut caps = Vec::new();
     if n > 1 && first {
-        caps.push(cap(0, 1));
+        caps.push(cap(&left, &right, 0, 1));
     }
     if n > 1 && last {
-        caps.push(cap(n - 1, n - 2));
+        caps.push(cap(&left, &right, n - 1, n - 2));
     }
     [vec![left, right], caps].concat()
+}
+
+/// A line around the end of a road from its left to its right edge. `end` and `before` number the
+/// last point of both edges and the one before it.
+fn cap(left: &[MapPoint], right: &[MapPoint], end: usize, before: usize) -> Vec<MapPoint> {
+    let beyond = |edge: &[MapPoint]| {
+        let ahead = edge[before].bearing_to(edge[end]);
+        edge[end].offset(ahead, BEYOND_END_M)
+    };
+    vec![left[end], beyond(left), beyond(right), right[end]]
 }
 
 /// Number of arms that roads have at each node.
@@ -168,6 +174,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
             min: [-half, -half, low],
             max: [line.length() + half, half, HEIGHT_M],
         };
+        // Solid even in a world without room for more triangles to see: it keeps robots dry.
         cuboid(
             &mut out.scene,
             Layer::Solid,

@@ -17,7 +17,9 @@ use super::dae_geometry::read_primitives;
 use super::dae_material::Materials;
 use super::part::{MAX_TRIANGLES, Mesh};
 
+/// Nodes within nodes at most: instances can lead in a circle.
 const MAX_DEPTH: usize = 64;
+/// Visits of nodes at most: a few lines of nested instances can ask for millions.
 const MAX_VISITS: usize = 100_000;
 
 /// Reads COLLADA.
