@@ -14,13 +14,13 @@ use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity};
 use openbench_geometry::grid::GridGeometry;
 use openbench_motion::Limits;
 use openbench_motion::feasible::clearance;
-use openbench_motion::recovery::maneuver::maneuver;
-use openbench_motion::teb::classes::{Explorer, Exploring};
-use openbench_motion::teb::optimize::{Effort, Optimizer};
-use openbench_motion::teb::settings::{Margins, Settings, Weights};
-use openbench_motion::teb::terms::Problem;
+use openbench_motion::recovery::maneuver;
+use openbench_motion::teb::Problem;
+use openbench_motion::teb::{Effort, Optimizer};
+use openbench_motion::teb::{Explorer, Exploring};
+use openbench_motion::teb::{Margins, Settings, Weights};
 use openbench_motion::trajectory::Resolution;
-use openbench_motion::trajectory::{Band, Knot};
+use openbench_motion::trajectory::{TimedPose, Trajectory};
 use openbench_motion::{Footprint, Obstacle, Vector2};
 
 use super::drive::is_there;
@@ -50,7 +50,7 @@ const OFFSETS_M: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
 pub enum Possible {
     /// The fastest motion found, from rest to rest, and the time, in seconds, from which it stays
     /// within the tolerance of the goal.
-    Motion(Band, f64),
+    Motion(Trajectory, f64),
     /// It is proven that there is no motion.
     Nothing,
     /// No motion was found, and no proof.
@@ -97,18 +97,18 @@ pub fn polished(
         limits: &limits,
         goal: true_goal(scene),
     };
-    let mut knots: Vec<Knot> = Vec::with_capacity(track.len());
+    let mut knots: Vec<TimedPose> = Vec::with_capacity(track.len());
     for (i, &pose) in track.iter().enumerate() {
         let yaw = knots
             .last()
             .map_or(pose.yaw, |k| k.pose.yaw + wrap_angle(pose.yaw - k.pose.yaw));
-        knots.push(Knot {
+        knots.push(TimedPose {
             pose: Pose2 { yaw, ..pose },
             time: i as f64 * seconds,
         });
     }
     search
-        .settle(&Band::new(knots)?)
+        .settle(&Trajectory::new(knots)?)
         .map(|band| arrival(&band, search.goal))
 }
 
@@ -151,7 +151,7 @@ impl Search<'_> {
 
     /// Initial bands: all homotopy classes, both directions of the first and last turn, with waits
     /// and lateral offsets if an obstacle moves, and maneuvers.
-    fn drafts(&self) -> Vec<Band> {
+    fn drafts(&self) -> Vec<Trajectory> {
         let (start, obstacles) = (self.scene.start, &self.scene.obstacles);
         let static_obstacles: Vec<Obstacle> = obstacles
             .iter()
@@ -177,7 +177,7 @@ impl Search<'_> {
                 .is_some_and(|c| start.inverse_transform(*c).0 < 0.0);
             for side in [-1.0, 1.0].into_iter().take(1 + usize::from(behind)) {
                 let along = |corners: &[MapPoint]| {
-                    Band::along(start, corners, Some(self.goal.yaw), self.limits, side)
+                    Trajectory::along(start, corners, Some(self.goal.yaw), self.limits, side)
                 };
                 let plain = along(&path.corners[1..]);
                 drafts.extend(plain.as_ref().and_then(with_opposite_last_turn));
@@ -207,18 +207,18 @@ impl Search<'_> {
     }
 
     /// Backwards for `length` metres, then along the path.
-    fn backed(&self, corners: &[MapPoint], length: f64) -> Option<Band> {
+    fn backed(&self, corners: &[MapPoint], length: f64) -> Option<Trajectory> {
         let start = self.scene.start;
         let back = start.transform(-length, 0.0);
         let from = Pose2::new(back.x, back.y, start.yaw);
         let seconds = length / self.limits.backward;
-        let rest = Band::along(from, &corners[1..], Some(self.goal.yaw), self.limits, 1.0)?;
-        let later = rest.knots().iter().map(|k| Knot {
+        let rest = Trajectory::along(from, &corners[1..], Some(self.goal.yaw), self.limits, 1.0)?;
+        let later = rest.poses().iter().map(|k| TimedPose {
             time: k.time + seconds,
             ..*k
         });
-        Band::new(
-            std::iter::once(Knot {
+        Trajectory::new(
+            std::iter::once(TimedPose {
                 pose: start,
                 time: 0.0,
             })
@@ -228,7 +228,7 @@ impl Search<'_> {
     }
 
     /// The fastest motion from a draft: the draft itself, or optimized with one of the clearances.
-    fn settle(&self, draft: &Band) -> Option<Band> {
+    fn settle(&self, draft: &Trajectory) -> Option<Trajectory> {
         let improved = CLEARANCES_M
             .iter()
             .map(|least| self.improved(draft, *least));
@@ -239,13 +239,13 @@ impl Search<'_> {
     }
 
     /// The motion that first reaches the tolerance of the goal.
-    fn earliest(&self, bands: impl Iterator<Item = Band>) -> Option<Band> {
+    fn earliest(&self, bands: impl Iterator<Item = Trajectory>) -> Option<Trajectory> {
         bands.min_by(|a, b| arrival(a, self.goal).total_cmp(&arrival(b, self.goal)))
     }
 
     /// The fastest collision-free timing of a band's path: its own times, slowed to the robot's
     /// limits, or the shortest times, after a wait at the start if an obstacle moves.
-    fn timed(&self, band: &Band) -> Option<Band> {
+    fn timed(&self, band: &Trajectory) -> Option<Trajectory> {
         let shortest = retimed(band, self.limits);
         let moving = self.scene.obstacles.iter().any(Obstacle::is_moving);
         let waits = (1..=MAX_WAITS)
@@ -258,7 +258,7 @@ impl Search<'_> {
         self.earliest(at_once.into_iter().chain(as_it_is))
     }
 
-    fn improved(&self, draft: &Band, least: f64) -> Band {
+    fn improved(&self, draft: &Trajectory, least: f64) -> Trajectory {
         let mut settings = self.settings();
         settings.margins = Margins {
             least,
@@ -282,8 +282,8 @@ impl Search<'_> {
 
     /// The band with all times scaled so that no limit is exceeded; `None` if they would need a
     /// scale of 1.2 or more.
-    fn slowed(&self, band: &Band) -> Option<Band> {
-        let knots = band.knots();
+    fn slowed(&self, band: &Trajectory) -> Option<Trajectory> {
+        let knots = band.poses();
         let mut ratio = 1.0_f64;
         let mut before: Option<(Velocity, f64)> = None;
         for i in 0..knots.len() - 1 {
@@ -303,10 +303,10 @@ impl Search<'_> {
             ratio = ratio.max((braking / self.limits.acceleration).sqrt());
         }
         // Segments of almost no duration at the ends would otherwise slow the whole band.
-        Band::new(
+        Trajectory::new(
             knots
                 .iter()
-                .map(|k| Knot {
+                .map(|k| TimedPose {
                     time: k.time * ratio,
                     ..*k
                 })
@@ -327,7 +327,7 @@ impl Search<'_> {
     /// Whether the footprint collides nowhere, or no deeper than at the start, and the band
     /// respects
     /// the non-holonomic constraint.
-    fn is_clear(&self, band: &Band) -> bool {
+    fn is_clear(&self, band: &Trajectory) -> bool {
         let (obstacles, footprint) = (&self.scene.obstacles, self.footprint);
         let mut floor = f64::NEG_INFINITY;
         let steps = (band.duration() / 0.01).ceil() as usize;
@@ -343,8 +343,8 @@ impl Search<'_> {
 
     /// Whether the lateral motion is below the maximum share, as the non-holonomic constraint
     /// demands.
-    fn is_drivable(&self, band: &Band) -> bool {
-        let slips = band.knots().windows(2).map(|w| {
+    fn is_drivable(&self, band: &Trajectory) -> bool {
+        let slips = band.poses().windows(2).map(|w| {
             let turn = self.limits.half_track * (w[1].pose.yaw - w[0].pose.yaw);
             let (sin, cos) = libm::sincos((w[0].pose.yaw + w[1].pose.yaw) / 2.0);
             let (dx, dy) = (w[1].pose.x - w[0].pose.x, w[1].pose.y - w[0].pose.y);
@@ -453,19 +453,19 @@ fn flood(grid: &GridGeometry, blocked: &mut [bool], from: usize, target: Option<
 }
 
 /// The band with its last turn in the opposite direction; `None` if that turn is a radian or less.
-fn with_opposite_last_turn(band: &Band) -> Option<Band> {
-    let mut knots = band.knots().to_vec();
+fn with_opposite_last_turn(band: &Trajectory) -> Option<Trajectory> {
+    let mut knots = band.poses().to_vec();
     let before = knots[knots.len().checked_sub(2)?].pose.yaw;
     let last = knots.last_mut()?;
     let turn = last.pose.yaw - before;
     last.pose.yaw -= std::f64::consts::TAU.copysign(turn);
     // An initial time at 1 rad/s; the optimizer changes it.
     last.time += std::f64::consts::TAU - 2.0 * turn.abs();
-    (turn.abs() > 1.0).then(|| Band::new(knots)).flatten()
+    (turn.abs() > 1.0).then(|| Trajectory::new(knots)).flatten()
 }
 
 /// The time, in seconds, from which a band stays within the tolerance of its goal.
-fn arrival(band: &Band, goal: Pose2) -> f64 {
+fn arrival(band: &Trajectory, goal: Pose2) -> f64 {
     let steps = (band.duration() / 0.05) as usize;
     let away = (0..=steps)
         .rev()
@@ -559,12 +559,12 @@ mod tests {
         };
         let band = |x: f64, y: f64| {
             let to = Pose2::new(x, y, 0.0);
-            Band::new(vec![
-                Knot {
+            Trajectory::new(vec![
+                TimedPose {
                     pose: scene.start,
                     time: 0.0,
                 },
-                Knot {
+                TimedPose {
                     pose: to,
                     time: 9.0,
                 },

@@ -5,7 +5,7 @@ use std::time::Duration;
 use cpu_time::ThreadTime;
 use nalgebra::Matrix6;
 use openbench_core::{Observation, Pose3, RobotDescription, SimTime};
-use openbench_localization::lidar_inertial::settings;
+use openbench_localization::lidar_inertial::sensor_settings;
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Status};
 use openbench_localization::wheels::Wheels;
 use serde::{Deserialize, Serialize};
@@ -74,7 +74,7 @@ struct Follower {
 impl Follower {
     fn new(robot: &RobotDescription) -> Self {
         Self {
-            odometry: LidarInertialOdometry::new(settings(robot)),
+            odometry: LidarInertialOdometry::new(sensor_settings(robot)),
             wheels: Wheels::new(robot),
             estimates: Vec::new(),
             truth: Vec::new(),
