@@ -5,7 +5,7 @@ use libfuzzer_sys::arbitrary::{Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use nalgebra::Vector3;
 use openbench_core::{ImuSample, LidarPoint, LidarScan, RobotDescription, SimTime};
-use openbench_localization::lidar_inertial::settings;
+use openbench_localization::lidar_inertial::sensor_settings;
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Speed};
 
 /// A number of the sensors' own size, or any.
@@ -63,7 +63,7 @@ fn scan(input: &mut Unstructured<'_>, stamp: SimTime) -> Result<LidarScan> {
 }
 
 fn run(input: &mut Unstructured<'_>) -> Result<()> {
-    let mut odometry = LidarInertialOdometry::new(settings(&RobotDescription::sentry()));
+    let mut odometry = LidarInertialOdometry::new(sensor_settings(&RobotDescription::sentry()));
     let (mut now, mut estimates): (_, Vec<Estimate>) = (SimTime::ZERO, Vec::new());
     while !input.is_empty() {
         let stamp = stamp(input, &mut now)?;

@@ -78,11 +78,11 @@ impl Map for Planes {
             .matching
             .clusters
             .iter()
-            .filter_map(|cluster| cluster.seen.as_ref());
+            .filter_map(|cluster| cluster.plane.as_ref());
         // What is not known of a plane is shared by its points, and counts once.
         let weighed = seen.map(|seen| {
-            let share = 1.0 / (1.0 + seen.shared * seen.weighed.weight);
-            let mut points = seen.weighed;
+            let share = 1.0 / (1.0 + seen.shared * seen.weighted.weight);
+            let mut points = seen.weighted;
             points.weight *= share;
             points.first *= share;
             points.second.iter_mut().for_each(|sum| *sum *= share);

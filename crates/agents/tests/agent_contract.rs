@@ -12,7 +12,7 @@ use openbench_core::{
 use openbench_language::GrammarPlanner;
 use openbench_localization::DeadReckoning;
 use openbench_models::Meter;
-use openbench_motion::costmap::ground::Preferences;
+use openbench_motion::costmap::Preferences;
 use openbench_motion::follower;
 use openbench_osm::OsmData;
 use openbench_vision::{PlateReader, PlateReading, ReaderError};

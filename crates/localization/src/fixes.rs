@@ -14,7 +14,7 @@ pub struct Fix {
     /// not measured.
     pub information: Matrix3<f64>,
     /// A residual of more standard deviations than this makes the fix an outlier.
-    pub credible: f64,
+    pub max_deviations: f64,
 }
 
 impl Fix {
@@ -23,7 +23,7 @@ impl Fix {
         self.pose.translation.vector.iter().all(|x| x.is_finite())
             && self.pose.rotation.angle().is_finite()
             && self.information.iter().all(|x| x.is_finite())
-            && self.credible > 0.0
+            && self.max_deviations > 0.0
     }
 }
 
@@ -91,7 +91,7 @@ impl Gnss {
             pose: Isometry2::from_parts(position.into(), rotation),
             information: Matrix3::from_diagonal(&[information, information, 0.0].into()),
             // In the fix's own deviations, not in those that it counts with.
-            credible: CREDIBLE * libm::sqrt(REFLECTION_S / SLOW_ERROR_S),
+            max_deviations: CREDIBLE * libm::sqrt(REFLECTION_S / SLOW_ERROR_S),
         })
     }
 
@@ -154,7 +154,7 @@ mod tests {
         let information = first.information[(0, 0)];
         assert!((information - 0.25 / 180.0).abs() < 1e-12);
         assert_eq!(first.information[(2, 2)], 0.0);
-        assert!((first.credible / information.sqrt() - 6.0).abs() < 1e-9);
+        assert!((first.max_deviations / information.sqrt() - 6.0).abs() < 1e-9);
         assert!(
             gnss.fix(&fix(5_000, 11.0, 5.0), now, near).is_none(),
             "too soon"

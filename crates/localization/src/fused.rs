@@ -114,7 +114,7 @@ impl Fused {
         let carried = motion.adjoint();
         let information = carried.transpose() * fix.information * carried;
         let mut window = self.window.clone();
-        window.fix(fix.pose * motion, information, fix.credible);
+        window.fix(fix.pose * motion, information, fix.max_deviations);
         if window.settle().is_ok() {
             self.estimated = window.newest() * isometry(key.odom).inverse();
             self.window = window;

@@ -2,7 +2,7 @@
 //!
 //! # Modules
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `localizer` | [`Localizer`]: what every localizer offers; agents know only it |
 //! | `dead_reckoning` | [`DeadReckoning`]: distance from wheels, heading from the gyroscope |

@@ -39,7 +39,7 @@ impl LidarInertial {
     /// A localizer for a robot.
     pub fn new(robot: RobotDescription) -> Self {
         Self {
-            odometry: LidarInertialOdometry::new(settings(&robot)),
+            odometry: LidarInertialOdometry::new(sensor_settings(&robot)),
             start: Pose2::default(),
             history: History::from(Pose2::default()),
             wheels: Wheels::new(&robot),
@@ -101,7 +101,7 @@ impl LidarInertial {
 }
 
 /// The sensors of a robot: a MID-360 and the IMU in it, as their data sheets describe them.
-pub fn settings(robot: &RobotDescription) -> Settings {
+pub fn sensor_settings(robot: &RobotDescription) -> Settings {
     Settings {
         imu: robot.imu,
         lidar: robot.imu.inverse() * robot.lidar,
@@ -117,8 +117,8 @@ pub fn settings(robot: &RobotDescription) -> Settings {
             range: 0.02,
             angle: 0.001,
         },
-        typical_speed: robot.max_forward,
-        blind: 0.3,
+        typical_speed_m_s: robot.max_forward,
+        min_range_m: 0.3,
     }
 }
 
@@ -154,7 +154,7 @@ impl Localizer for LidarInertial {
                 covariance,
             });
         }
-        if let Some((stamp, pose)) = self.odometry.now() {
+        if let Some((stamp, pose)) = self.odometry.newest_pose() {
             self.remember(stamp, &pose);
         }
     }

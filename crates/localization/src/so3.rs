@@ -6,22 +6,22 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// The rotation of a vector: about its direction, by its length in radians.
-pub fn exp(rotation: Vector3<f64>) -> UnitQuaternion<f64> {
+pub(crate) fn exp(rotation: Vector3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::from_scaled_axis(rotation)
 }
 
 /// The vector of a rotation; it is at most half a turn long.
-pub fn log(rotation: UnitQuaternion<f64>) -> Vector3<f64> {
+pub(crate) fn log(rotation: UnitQuaternion<f64>) -> Vector3<f64> {
     rotation.scaled_axis()
 }
 
 /// The matrix of the cross product with a vector from the left.
-pub fn hat(v: Vector3<f64>) -> Matrix3<f64> {
+pub(crate) fn hat(v: Vector3<f64>) -> Matrix3<f64> {
     v.cross_matrix()
 }
 
 /// The right Jacobian: `exp(a + b) ≈ exp(a) exp(J b)` for small `b`.
-pub fn right_jacobian(rotation: Vector3<f64>) -> Matrix3<f64> {
+pub(crate) fn right_jacobian(rotation: Vector3<f64>) -> Matrix3<f64> {
     let angle = rotation.norm();
     let hat = hat(rotation);
     if angle < 1e-4 {
@@ -34,7 +34,7 @@ pub fn right_jacobian(rotation: Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// Its inverse: `log(exp(a) exp(b)) ≈ a + J⁻¹ b` for small `b`.
-pub fn inverse_right_jacobian(rotation: Vector3<f64>) -> Matrix3<f64> {
+pub(crate) fn inverse_right_jacobian(rotation: Vector3<f64>) -> Matrix3<f64> {
     let angle = rotation.norm();
     let hat = hat(rotation);
     if angle < 1e-4 {
@@ -47,7 +47,7 @@ pub fn inverse_right_jacobian(rotation: Vector3<f64>) -> Matrix3<f64> {
 
 /// Two directions at right angles to a vector and to each other, as columns. They change
 /// continuously with vectors that are not along x.
-pub fn tangent(direction: Vector3<f64>) -> nalgebra::Matrix3x2<f64> {
+pub(crate) fn tangent(direction: Vector3<f64>) -> nalgebra::Matrix3x2<f64> {
     let along_x = direction.x.abs() > 0.9 * direction.norm();
     let other = if along_x { Vector3::y() } else { Vector3::x() };
     let first = direction.cross(&other).normalize();

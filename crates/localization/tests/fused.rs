@@ -36,7 +36,7 @@ impl FixSource for Oracle {
             stamp: observation.time,
             pose: Isometry2::new(Vector2::new(pose.x, pose.y), pose.yaw),
             information: Matrix3::from_diagonal(&[400.0, 400.0, 1e3].into()),
-            credible: 3.0,
+            max_deviations: 3.0,
         })
     }
 }

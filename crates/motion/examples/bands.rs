@@ -11,7 +11,7 @@
 )]
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::trajectory::Band;
+use openbench_motion::trajectory::Trajectory;
 use openbench_motion::{LocalPlanner, Obstacle, Situation, Teb, TebSettings, Vector2};
 
 /// Cycles of 50 ms, standing, until the bands of all classes are optimized.
@@ -87,7 +87,7 @@ fn draw_obstacle(obstacle: &Obstacle) {
     );
 }
 
-fn draw_band(band: &Band, color: &str, width: f64) {
+fn draw_band(band: &Trajectory, color: &str, width: f64) {
     let steps = (band.duration() / 0.05) as usize;
     let place = |i: usize| band.pose_at(0.05 * i as f64);
     let points: Vec<String> = (0..=steps)

@@ -9,7 +9,7 @@
 use std::error::Error;
 
 use cpu_time::ThreadTime;
-use openbench_motion::search::{Costs, Search};
+use openbench_motion::{Costs, Search};
 
 /// Published lengths have eight decimals.
 const EXACT: f64 = 1e-5;

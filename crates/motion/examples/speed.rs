@@ -9,11 +9,11 @@ use cpu_time::ThreadTime;
 use openbench_core::{Georeference, LonLat, MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 use openbench_motion::Limits;
 use openbench_motion::Motion;
-use openbench_motion::teb::classes::{Explorer, Exploring};
-use openbench_motion::teb::optimize::{Effort, Optimizer};
-use openbench_motion::teb::settings::Settings;
-use openbench_motion::teb::terms::Problem;
-use openbench_motion::trajectory::Band;
+use openbench_motion::teb::Problem;
+use openbench_motion::teb::Settings;
+use openbench_motion::teb::{Effort, Optimizer};
+use openbench_motion::teb::{Explorer, Exploring};
+use openbench_motion::trajectory::Trajectory;
 use openbench_motion::{
     Costmap, Footprint, LocalPlanner, Obstacle, RangeRing, ScanPoint, Search, Situation, Teb,
     TebSettings, plan,
@@ -73,7 +73,7 @@ fn bands(discs: usize) -> Result<(), Failure> {
         let (ways, took) = timed(|| explorer.explore(start, goal, &obstacles, &how));
         classes.push(took);
         let drafts = ways.iter().filter_map(|w| {
-            Band::along(Pose2::default(), &w.corners[1..], Some(0.0), &limits, 1.0)
+            Trajectory::along(Pose2::default(), &w.corners[1..], Some(0.0), &limits, 1.0)
         });
         let mut cycle = 0.0;
         let mut count = 0;

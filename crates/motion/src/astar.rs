@@ -34,7 +34,7 @@ pub enum PlanError {
     GoalBlocked(MapPoint),
     /// Start and goal are not connected.
     #[error("no path from {0} to {1}")]
-    NoWay(MapPoint, MapPoint),
+    NoPath(MapPoint, MapPoint),
 }
 
 /// The cheapest path from `start` to `goal`, in `map`.
@@ -78,7 +78,7 @@ pub fn plan(
     if to.is_empty() {
         return Err(PlanError::GoalBlocked(goal));
     }
-    let cells = connect(search, costmap, from, &to).ok_or(PlanError::NoWay(start, goal))?;
+    let cells = connect(search, costmap, from, &to).ok_or(PlanError::NoPath(start, goal))?;
     let mut points: Vec<MapPoint> = shorten(costmap, &cells)
         .iter()
         .map(|c| costmap.grid().center(*c))
@@ -140,7 +140,7 @@ pub fn costs(
             continue;
         }
         open.retain(|&goal| goal != cell);
-        for (next, length) in neighbours(costmap, cell) {
+        for Neighbour { cell: next, length } in neighbours(costmap, cell) {
             if closed[next] {
                 continue;
             }
@@ -156,6 +156,13 @@ pub fn costs(
         .iter()
         .map(|cell| cell.filter(|&c| closed[c]).map(|c| best[c] * grid.cell))
         .collect()
+}
+
+/// A free cell near a blocked place.
+struct Escape {
+    cell: usize,
+    /// Metres.
+    distance: f64,
 }
 
 /// The cell of a place or the nearest free one.
@@ -175,19 +182,20 @@ fn free_cells(costmap: &Costmap, point: MapPoint) -> Option<Vec<usize>> {
     }
     let low = MapPoint::new(point.x - ESCAPE_M, point.y - ESCAPE_M);
     let high = MapPoint::new(point.x + ESCAPE_M, point.y + ESCAPE_M);
-    let (columns, rows) = grid.window(low, high)?;
-    let cells = (rows.0..=rows.1).flat_map(|r| (columns.0..=columns.1).map(move |c| (c, r)));
-    let free = cells
-        .filter_map(|(c, r)| grid.cell_in(c, r))
-        .filter(|&c| costmap.cost(c).is_some());
-    let is_open = |cell: usize| cell == here || !costmap.is_obstacle(cell);
-    let mut near: Vec<(f64, usize)> = free
-        .map(|cell| (grid.center(cell).distance(point), cell))
+    let free = grid
+        .cells_between(low, high)
+        .filter(|&cell| costmap.cost(cell).is_some());
+    let mut near: Vec<Escape> = free
+        .map(|cell| Escape {
+            cell,
+            distance: grid.center(cell).distance(point),
+        })
         .collect();
-    near.retain(|(off, _)| *off <= ESCAPE_M);
-    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    near.retain(|escape| escape.distance <= ESCAPE_M);
+    near.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     near.truncate(MOST_ESCAPES);
-    let near: Vec<usize> = near.into_iter().map(|(_, cell)| cell).collect();
+    let near: Vec<usize> = near.into_iter().map(|escape| escape.cell).collect();
+    let is_open = |cell: usize| cell == here || !costmap.is_obstacle(cell);
     // Free cells behind a wall do not count; deep inside an obstacle any free cell does.
     let open: Vec<usize> = near
         .iter()
@@ -197,24 +205,39 @@ fn free_cells(costmap: &Costmap, point: MapPoint) -> Option<Vec<usize>> {
     Some(if open.is_empty() { near } else { open })
 }
 
-/// Neighbours of a cell with their distances in sides of cells; diagonals only between two free
-/// cells.
-fn neighbours(costmap: &Costmap, cell: usize) -> impl Iterator<Item = (usize, f64)> {
-    let grid = *costmap.grid();
-    let (x, y) = grid.column_row(cell);
-    let free = move |dx: i64, dy: i64| {
-        grid.cell_in(x + dx, y + dy)
-            .filter(|&c| costmap.cost(c).is_some())
-    };
+/// A free cell beside another.
+struct Neighbour {
+    cell: usize,
+    /// Distance of their middles, sides of cells.
+    length: f64,
+}
+
+/// Free neighbours of a cell; diagonals only between two free cells.
+fn neighbours(costmap: &Costmap, cell: usize) -> impl Iterator<Item = Neighbour> {
+    let (x, y) = costmap.grid().column_row(cell);
     let straight = [(-1, 0), (1, 0), (0, -1), (0, 1)].into_iter();
+    let straight = straight.filter_map(move |(dx, dy)| {
+        Some(Neighbour {
+            cell: free_in(costmap, x + dx, y + dy)?,
+            length: 1.0,
+        })
+    });
     let diagonal = [(-1, -1), (1, -1), (-1, 1), (1, 1)].into_iter();
-    let straight = straight.filter_map(move |(dx, dy)| Some((free(dx, dy)?, 1.0)));
     let diagonal = diagonal.filter_map(move |(dx, dy)| {
-        free(dx, 0)?;
-        free(0, dy)?;
-        Some((free(dx, dy)?, std::f64::consts::SQRT_2))
+        free_in(costmap, x + dx, y)?;
+        free_in(costmap, x, y + dy)?;
+        Some(Neighbour {
+            cell: free_in(costmap, x + dx, y + dy)?,
+            length: std::f64::consts::SQRT_2,
+        })
     });
     straight.chain(diagonal)
+}
+
+/// The cell in a column and row, if it is free.
+fn free_in(costmap: &Costmap, column: i64, row: i64) -> Option<usize> {
+    let cell = costmap.grid().cell_in(column, row);
+    cell.filter(|&cell| costmap.cost(cell).is_some())
 }
 
 /// Replaces stretches by straight lines that cost no more than the stretch.
@@ -288,7 +311,7 @@ fn cost_of(costmap: &Costmap, cell: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::costmap::ground::Preferences;
+    use crate::costmap::Preferences;
     use crate::costmap::map_server::Occupancy;
     use crate::costmap::tests::{empty_map, open_ground, see_wall};
     use crate::search::GridPath;
@@ -538,6 +561,6 @@ mod tests {
             MapPoint::default(),
             MapPoint::new(5.0, 5.0),
         );
-        assert!(matches!(result, Err(PlanError::NoWay(..))), "{result:?}");
+        assert!(matches!(result, Err(PlanError::NoPath(..))), "{result:?}");
     }
 }

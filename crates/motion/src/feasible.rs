@@ -4,8 +4,8 @@ use openbench_core::{Pose2, Velocity};
 
 use crate::kinematics::Motion;
 use crate::limits::Limits;
-use crate::shape::{Footprint, Obstacle};
-use crate::trajectory::Band;
+use crate::shape::{Footprint, Obstacle, standing};
+use crate::trajectory::Trajectory;
 
 /// Seconds between two checks along a motion: at 0.5 m/s and 1 rad/s no corner moves further than 4
 /// cm.
@@ -51,17 +51,14 @@ impl Floors {
         pose: Pose2,
         margin: f64,
     ) -> Self {
-        let (placed, circle, reach) = (
-            footprint.at(pose),
-            footprint.circumscribed(),
-            margin / KEPT_SHARE,
-        );
-        let distance = |o: &Obstacle| o.contact(&placed, circle, 0.0, reach).map(|c| c.distance);
-        let near = obstacles.enumerate().filter_map(|(obstacle, o)| {
-            let distance = distance(o).filter(|distance| *distance < reach)?;
-            Some(Floor {
-                obstacle,
-                least: floor(distance, margin),
+        let (placed, circle) = (footprint.at(pose), footprint.circumscribed());
+        // Further away the floor is the margin itself.
+        let reach = margin / KEPT_SHARE;
+        let near = obstacles.enumerate().filter_map(|(number, obstacle)| {
+            let contact = obstacle.contact(&placed, circle, 0.0, reach)?;
+            (contact.distance < reach).then(|| Floor {
+                obstacle: number,
+                least: floor(contact.distance, margin),
             })
         });
         Self {
@@ -114,59 +111,67 @@ pub fn clearance<'a>(
     near.map(|contact| contact.distance).fold(reach, f64::min)
 }
 
-/// Seconds until the robot comes nearer than `margin` metres to an obstacle on the band, driven no
-/// faster than its limits; `None` if it never does. A robot that begins nearer may move away.
-pub fn first_conflict(
-    footprint: &Footprint,
-    limits: &Limits,
-    obstacles: &[Obstacle],
-    band: &Band,
-    margin: f64,
-) -> Option<f64> {
-    let band = band.slowed(limits);
-    let mut floors = Floors::new(footprint, obstacles.iter(), band.pose_at(0.0), margin);
-    let checks = (band.duration() / CHECK_S).ceil() as usize;
-    let mut times = (1..=checks.min(MOST_CHECKS)).map(|i| band.duration().min(i as f64 * CHECK_S));
-    let met =
-        times.find(|&time| !floors.keep(footprint, obstacles.iter(), band.pose_at(time), time));
-    // What is not checked is not known to be free.
-    met.or_else(|| (checks > MOST_CHECKS).then_some(MOST_CHECKS as f64 * CHECK_S))
-}
-
 /// Seconds in which any robot stops.
 const LONGEST_STOP_S: f64 = 20.0;
+/// Seconds between two checks of a robot that brakes.
+const STOP_STEP_S: f64 = 0.025;
 
-/// Seconds until the robot comes nearer than `margin` metres to a standing obstacle if it is driven
-/// as commanded for `hold` seconds and then brakes; `None` if it stops before.
-///
-/// Moving obstacles are left out: to stop in somebody's path is worse than to be gone.
-pub fn conflict_before_stop(
-    footprint: &Footprint,
-    obstacles: &[Obstacle],
-    motion: Motion,
-    limits: &Limits,
-    hold: f64,
-    margin: f64,
-) -> Option<f64> {
-    const STEP: f64 = 0.025;
-    let standing = || obstacles.iter().filter(|o| !o.is_moving());
-    let mut motion = motion;
-    let mut floors = Floors::new(footprint, standing(), motion.pose, margin);
-    let mut time = 0.0;
-    // A robot that does not come to stand, with an impossible speed, counts as one that collides.
-    let longest = hold + LONGEST_STOP_S;
-    while time < hold || !motion.stands() {
-        if time > longest {
-            return Some(time);
-        }
-        if time >= hold {
-            motion.command = Velocity::ZERO;
-        }
-        motion.step(limits, STEP);
-        time += STEP;
-        if !floors.keep(footprint, standing(), motion.pose, 0.0) {
-            return Some(time);
-        }
+/// Looks for conflicts of a robot's motions with obstacles.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ConflictCheck<'a> {
+    /// The robot's outline.
+    pub(crate) footprint: &'a Footprint,
+    /// What the robot can do.
+    pub(crate) limits: &'a Limits,
+    /// Standing and moving obstacles.
+    pub(crate) obstacles: &'a [Obstacle],
+    /// A motion that comes nearer to an obstacle than this has a conflict, metres. One that begins
+    /// nearer may move away.
+    pub(crate) margin: f64,
+}
+
+impl ConflictCheck<'_> {
+    /// Seconds until the first conflict on a trajectory that is driven no faster than the robot's
+    /// limits; `None` if there is none.
+    pub(crate) fn first_conflict(&self, trajectory: &Trajectory) -> Option<f64> {
+        let driven = trajectory.slowed(self.limits);
+        let obstacles = || self.obstacles.iter();
+        let start = driven.pose_at(0.0);
+        let mut floors = Floors::new(self.footprint, obstacles(), start, self.margin);
+        let checks = (driven.duration() / CHECK_S).ceil() as usize;
+        let mut times =
+            (1..=checks.min(MOST_CHECKS)).map(|i| driven.duration().min(i as f64 * CHECK_S));
+        let met = times
+            .find(|&time| !floors.keep(self.footprint, obstacles(), driven.pose_at(time), time));
+        // What is not checked is not known to be free.
+        met.or_else(|| (checks > MOST_CHECKS).then_some(MOST_CHECKS as f64 * CHECK_S))
     }
-    None
+
+    /// Seconds until a conflict with a standing obstacle, if the robot is driven as commanded for
+    /// `hold` seconds and then brakes; `None` if it stops before.
+    ///
+    /// Moving obstacles are left out: to stop in somebody's path is worse than to be gone.
+    pub(crate) fn conflict_before_stop(&self, motion: Motion, hold: f64) -> Option<f64> {
+        let standing = || standing(self.obstacles);
+        let mut motion = motion;
+        let mut floors = Floors::new(self.footprint, standing(), motion.pose, self.margin);
+        let mut time = 0.0;
+        // A robot that does not come to stand, with an impossible speed, counts as one that
+        // collides.
+        let longest = hold + LONGEST_STOP_S;
+        while time < hold || !motion.stands() {
+            if time > longest {
+                return Some(time);
+            }
+            if time >= hold {
+                motion.command = Velocity::ZERO;
+            }
+            motion.step(self.limits, STOP_STEP_S);
+            time += STOP_STEP_S;
+            if !floors.keep(self.footprint, standing(), motion.pose, 0.0) {
+                return Some(time);
+            }
+        }
+        None
+    }
 }

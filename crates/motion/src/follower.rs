@@ -55,6 +55,7 @@ pub fn entry_with(tolerance: Tolerance) -> Entry {
 
 /// A follower cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FollowerError {
     /// A limit makes no sense.
     #[error(transparent)]
@@ -151,16 +152,18 @@ impl Follower {
     /// Distance driven with a velocity before the robot comes too close to an obstacle, metres.
     fn first_contact(&self, situation: &Situation<'_>, velocity: Velocity) -> Option<f64> {
         let reach = self.robot.inscribed_radius() + KEEP_M;
-        let nearest = |pose: Pose2| nearest_within(situation.obstacles, pose.point(), reach);
-        let here = nearest(situation.pose);
+        let obstacles = situation.obstacles;
+        let here = nearest_within(obstacles, situation.pose.point(), reach);
         let dt = HORIZON_S / f64::from(LOOKS);
         let mut pose = situation.pose;
         for i in 1..=LOOKS {
             let step = Pose2::new(velocity.linear * dt, 0.0, velocity.angular * dt);
             pose = pose.compose(step);
+            let Some(there) = nearest_within(obstacles, pose.point(), reach) else {
+                continue;
+            };
             // From where it is too close already, the robot may move away.
-            let is_too_close = |distance: f64| here.is_none_or(|here| distance < here - AWAY_M);
-            if nearest(pose).is_some_and(is_too_close) {
+            if here.is_none_or(|here| there < here - AWAY_M) {
                 return Some(velocity.linear * dt * f64::from(i));
             }
         }

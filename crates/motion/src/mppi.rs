@@ -13,14 +13,14 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::checks::SettingsError;
-use crate::feasible::{clearance, conflict_before_stop};
+use crate::feasible::{ConflictCheck, clearance};
 use crate::kinematics::Motion;
 use crate::limits::Limits;
 use crate::local::{
     Blocked, Entry, LocalPlanner, PathPoint, PlannerSettings, Progress, Situation, ahead,
 };
 use crate::near_cells::each_cell_near;
-use crate::shape::{Footprint, Obstacle, ShapeError};
+use crate::shape::{Footprint, Obstacle, ShapeError, moving, standing};
 
 /// Continuations in a cycle.
 const SAMPLES: usize = 600;
@@ -72,7 +72,7 @@ const TOLERANCE_RAD: f64 = 0.08;
 const HOLD_S: f64 = 0.1;
 
 /// Its entry among the local planners.
-pub fn entry() -> Entry {
+pub(crate) fn entry() -> Entry {
     let description = "Model Predictive Path Integral control";
     Entry::new("mppi", description, |settings: &PlannerSettings| {
         Mppi::new(&settings.robot, settings.seed)
@@ -81,6 +81,7 @@ pub fn entry() -> Entry {
 
 /// A controller cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MppiError {
     /// A limit makes no sense.
     #[error(transparent)]
@@ -134,7 +135,7 @@ impl Mppi {
         let reach = self.footprint.circumscribed() + COMFORT_M;
         self.distances.clear();
         self.distances.resize(grid.len(), reach as f32);
-        for obstacle in situation.obstacles.iter().filter(|o| !o.is_moving()) {
+        for obstacle in standing(situation.obstacles) {
             each_cell_near(&grid, obstacle, reach, |cell, distance| {
                 self.distances[cell] = self.distances[cell].min(distance as f32);
             });
@@ -204,8 +205,7 @@ impl Mppi {
         let standing = grid
             .cell_at(pose.point())
             .map_or(outer + COMFORT_M, |cell| f64::from(self.distances[cell]));
-        let moving = obstacles.iter().filter(|o| o.is_moving());
-        let distances = moving.map(|o| {
+        let distances = moving(obstacles).map(|o| {
             // The robot is moved back instead of the obstacle forward.
             let v = o.velocity();
             o.distance_to(MapPoint::new(pose.x - v.x * time, pose.y - v.y * time))
@@ -261,7 +261,12 @@ impl Mppi {
             obstacles,
             ..
         } = *situation;
-        let (footprint, limits) = (&self.footprint, &self.limits);
+        let check = ConflictCheck {
+            footprint: &self.footprint,
+            limits: &self.limits,
+            obstacles,
+            margin: SURE_M,
+        };
         for share in [1.0, 0.6, 0.3, 0.1] {
             let command = Velocity::new(share * wanted.linear, share * wanted.angular);
             let motion = Motion {
@@ -269,8 +274,7 @@ impl Mppi {
                 velocity,
                 command,
             };
-            if conflict_before_stop(footprint, obstacles, motion, limits, HOLD_S, SURE_M).is_none()
-            {
+            if check.conflict_before_stop(motion, HOLD_S).is_none() {
                 return Ok(if share < 1.0 {
                     Progress::Slowed(command, Blocked::Obstacle(self.nearest(situation)))
                 } else {
@@ -334,14 +338,11 @@ struct Aim {
 
 impl Aim {
     fn of(situation: &Situation<'_>) -> Self {
-        let here = PathPoint {
-            point: situation.pose.point(),
-            is_end: true,
-        };
-        let at = |length: f64| ahead(situation.path, here.point, length).unwrap_or(here);
-        let share = |i: i32| LOOKAHEAD_M * f64::from(i) / f64::from(PATH_POINTS);
-        let path = (0..=PATH_POINTS).map(|i| at(share(i)).point).collect();
-        let PathPoint { point: end, is_end } = at(LOOKAHEAD_M);
+        let lengths =
+            (0..=PATH_POINTS).map(|i| LOOKAHEAD_M * f64::from(i) / f64::from(PATH_POINTS));
+        let path = lengths.map(|length| point_ahead(situation, length).point);
+        let path = path.collect();
+        let PathPoint { point: end, is_end } = point_ahead(situation, LOOKAHEAD_M);
         Self {
             path,
             end,
@@ -365,9 +366,19 @@ impl Aim {
     }
 }
 
+/// The point so many metres along the path; where the robot is, if there is no path.
+fn point_ahead(situation: &Situation<'_>, length: f64) -> PathPoint {
+    let here = situation.pose.point();
+    ahead(situation.path, here, length).unwrap_or(PathPoint {
+        point: here,
+        is_end: true,
+    })
+}
+
 /// Two independent standard normal numbers (Box and Muller).
 fn normal_pair(rng: &mut Pcg64Mcg) -> [f64; 2] {
-    let (u, v): (f64, f64) = (rng.random(), rng.random());
+    let u: f64 = rng.random();
+    let v: f64 = rng.random();
     let radius = (-2.0 * libm::log((1.0 - u).max(1e-300))).sqrt();
     let (sin, cos) = libm::sincos(std::f64::consts::TAU * v);
     [radius * cos, radius * sin]

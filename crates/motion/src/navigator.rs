@@ -16,9 +16,9 @@ use crate::limits::Limits;
 use crate::local::planner::check;
 use crate::local::{Blocked, LocalPlanner, PathPoint, Progress, ahead};
 use crate::recovery::ladder::{Ladder, Recovery, Rung, Step};
-use crate::recovery::maneuver::{NoManeuver, maneuver};
 use crate::recovery::progress::{NO_PROGRESS, ProgressMonitor};
 use crate::recovery::under_way::UnderWay;
+use crate::recovery::{NoManeuver, maneuver};
 use crate::route::{Guide, Route};
 use crate::shape::{Footprint, ShapeError};
 use crate::surroundings::Surroundings;
@@ -29,10 +29,10 @@ const MANEUVER_M: f64 = 3.0;
 /// Why a goal is given up.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Cause {
+pub enum FailureReason {
     /// No path leads there, by what is known of the ground.
     #[error(transparent)]
-    NoWay(PlanError),
+    NoPath(PlanError),
     /// A path leads there for a point, but not for the footprint.
     #[error("the footprint does not fit through: {0}")]
     TooNarrow(NoManeuver),
@@ -49,11 +49,12 @@ pub enum Navigation {
     /// The end of the path is reached.
     Arrived,
     /// The goal is given up.
-    Failed(Cause),
+    Failed(FailureReason),
 }
 
 /// A navigator cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NavigatorError {
     /// A limit makes no sense.
     #[error(transparent)]
@@ -172,7 +173,7 @@ impl Navigator {
         Some(if waits {
             STAND
         } else {
-            Navigation::Failed(Cause::Stuck(cause))
+            Navigation::Failed(FailureReason::Stuck(cause))
         })
     }
 
@@ -192,7 +193,7 @@ impl Navigator {
             self.ladder.made_progress();
         }
         let cause = self.ladder.cause().unwrap_or(Blocked::Creeping);
-        let failed = Navigation::Failed(Cause::Stuck(cause));
+        let failed = Navigation::Failed(FailureReason::Stuck(cause));
         self.progress.is_stagnant(now.time).then_some(failed)
     }
 
@@ -203,7 +204,7 @@ impl Navigator {
         let situation = now.situation(self.route.path(), None);
         let command = self
             .planner
-            .among_people(&situation, maneuver.command(&self.limits));
+            .limit_near_people(&situation, maneuver.command(&self.limits));
         let is_done = maneuver.is_over()
             || self.progress.is_creeping(now)
             || maneuver.is_blocked(&self.footprint, &self.limits, now, command);
@@ -224,7 +225,7 @@ impl Navigator {
         guide: &mut dyn Guide,
     ) -> Option<Navigation> {
         let error = self.route.refresh(now, goal.point, guide).err()?;
-        Some(self.recover(now, goal, Blocked::NoPath, Cause::NoWay(error)))
+        Some(self.recover(now, goal, Blocked::NoPath, FailureReason::NoPath(error)))
     }
 
     /// Asks the local planner for a velocity; recovers if it has none.
@@ -249,7 +250,7 @@ impl Navigator {
                 self.ladder.slow(now.time, cause);
                 Navigation::Drive(velocity)
             }
-            Err(cause) => self.recover(now, goal, cause, Cause::Stuck(cause)),
+            Err(cause) => self.recover(now, goal, cause, FailureReason::Stuck(cause)),
         }
     }
 
@@ -259,7 +260,7 @@ impl Navigator {
         now: &Surroundings<'_>,
         goal: &Goal,
         cause: Blocked,
-        failed: Cause,
+        failed: FailureReason,
     ) -> Navigation {
         match self.ladder.climb(now.time, cause, now.is_anybody_near()) {
             Rung::Wait => STAND,
@@ -279,7 +280,7 @@ impl Navigator {
         now: &Surroundings<'_>,
         goal: &Goal,
         cause: Blocked,
-        failed: Cause,
+        failed: FailureReason,
     ) -> Navigation {
         let to = ahead(self.route.path(), now.pose.point(), MANEUVER_M).unwrap_or(PathPoint {
             point: goal.point,
@@ -299,8 +300,10 @@ impl Navigator {
             // Moving obstacles are left out, and LiDAR data may have been wrong: only the last
             // attempt decides.
             Err(why) if self.ladder.is_at_top() => Navigation::Failed(match failed {
-                Cause::NoWay(_) => failed,
-                Cause::TooNarrow(_) | Cause::Stuck(_) => Cause::TooNarrow(why),
+                FailureReason::NoPath(_) => failed,
+                FailureReason::TooNarrow(_) | FailureReason::Stuck(_) => {
+                    FailureReason::TooNarrow(why)
+                }
             }),
             Err(_) => STAND,
         }

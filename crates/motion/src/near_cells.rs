@@ -16,13 +16,8 @@ pub(crate) fn each_cell_near(
     let (middle, far) = (obstacle.middle(), obstacle.radius() + reach);
     let low = MapPoint::new(middle.x - far, middle.y - far);
     let high = MapPoint::new(middle.x + far, middle.y + far);
-    let Some((columns, rows)) = grid.window(low, high) else {
-        return;
-    };
-    for row in rows.0..=rows.1 {
-        for cell in (columns.0..=columns.1).filter_map(|column| grid.cell_in(column, row)) {
-            visit(cell, obstacle.distance_to(grid.center(cell)));
-        }
+    for cell in grid.cells_between(low, high) {
+        visit(cell, obstacle.distance_to(grid.center(cell)));
     }
 }
 

@@ -7,7 +7,7 @@
 use openbench_core::MapPoint;
 
 /// Directions of a ring: one degree each.
-pub const DIRECTIONS: usize = 360;
+pub(crate) const DIRECTIONS: usize = 360;
 /// Points from this height above the ground on are obstacles, metres.
 const LOWEST_M: f64 = 0.10;
 /// Points above this height are above the robot, metres.
@@ -60,6 +60,17 @@ pub struct Beam {
     pub end_height: f64,
 }
 
+impl Beam {
+    /// The one of two beams that ends first; the other one if both end at the same distance.
+    fn shorter(self, other: Self) -> Self {
+        if self.reach < other.reach {
+            self
+        } else {
+            other
+        }
+    }
+}
+
 impl RangeRing {
     /// Sorts points into a ring around the sensor at `center`, `height` metres above the ground.
     pub fn new(center: MapPoint, height: f64, points: impl Iterator<Item = ScanPoint>) -> Self {
@@ -103,24 +114,22 @@ impl RangeRing {
                 }
             }
         }
-        let shorter = |i: usize| {
-            if nearest[i].reach < furthest[i].reach {
-                nearest[i]
-            } else {
-                furthest[i]
-            }
-        };
+        // A beam that reached ground behind an obstacle passed over it, but the beam that hit the
+        // obstacle says where the free ground ends.
+        let both = nearest.into_iter().zip(furthest);
         Self {
             center,
             height,
             obstacles,
             above,
-            beams: (0..DIRECTIONS).map(shorter).collect(),
+            beams: both
+                .map(|(nearest, furthest)| nearest.shorter(furthest))
+                .collect(),
         }
     }
 
     /// Height above the ground at which `beam` passes `distance` metres from the sensor, metres.
-    pub fn height_at(&self, beam: Beam, distance: f64) -> f64 {
+    pub(crate) fn height_at(&self, beam: Beam, distance: f64) -> f64 {
         self.height + (beam.end_height - self.height) * (distance / beam.reach.max(1e-9))
     }
 }

@@ -16,7 +16,7 @@ const REPLAN_EARLIEST: Duration = Duration::from_millis(300);
 pub trait Guide {
     /// The path from one place to another, both included; where one of them is blocked, from or to
     /// the nearest place that is not.
-    fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError>;
+    fn path(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError>;
 
     /// Whether the next metres of a path are known to be blocked by now.
     fn is_blocked(&self, path: &[MapPoint], from: MapPoint) -> bool;
@@ -34,13 +34,13 @@ pub(crate) struct Route {
 
 impl Route {
     /// The path; empty if none was found yet.
-    pub fn path(&self) -> &[MapPoint] {
+    pub(crate) fn path(&self) -> &[MapPoint] {
         &self.path
     }
 
     /// Searches the path to `goal` again if it is old or blocked. The error of a search stands
     /// until the next one.
-    pub fn refresh(
+    pub(crate) fn refresh(
         &mut self,
         now: &Surroundings<'_>,
         goal: MapPoint,
@@ -48,7 +48,7 @@ impl Route {
     ) -> Result<(), PlanError> {
         if self.is_stale(now, guide) {
             self.searched = Some(now.time);
-            let found = guide.way(now.pose.point(), goal);
+            let found = guide.path(now.pose.point(), goal);
             self.failure = found.as_ref().err().copied();
             self.path = found.unwrap_or_default();
         }
@@ -68,7 +68,7 @@ impl Route {
     }
 
     /// Has the path searched again by the next refresh, however new it is.
-    pub fn expire(&mut self) {
+    pub(crate) fn expire(&mut self) {
         self.searched = None;
     }
 }

@@ -12,7 +12,7 @@ use std::f64::consts::SQRT_2;
 
 /// The most that a cell may cost. The queue reaches as far as a step can lead; for dearer cells it
 /// would have to be longer or coarser.
-pub const DEAREST: f32 = 256.0;
+pub(crate) const DEAREST: f32 = 256.0;
 /// Buckets for each unit of estimated cost.
 const FINENESS: f64 = 4.0;
 /// Buckets of the queue, used as a ring: a step raises an estimate by at most √2 (`DEAREST` + 1).
@@ -41,6 +41,7 @@ pub struct Costs<'a> {
 
 /// The costs make no grid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CostsError {
     /// No cells, more than can be numbered, or rows of different lengths.
     #[error(
@@ -177,7 +178,8 @@ impl Search {
             costs: costs.costs,
             columns: costs.width as i32,
             rows: (costs.costs.len() / costs.width) as i32,
-            goal: ((goal % costs.width) as i32, (goal / costs.width) as i32),
+            goal_column: (goal % costs.width) as i32,
+            goal_row: (goal / costs.width) as i32,
             number: self.number,
             visited: &mut self.visited,
             buckets: &mut self.buckets,
@@ -227,7 +229,8 @@ struct Run<'a> {
     costs: &'a [f32],
     columns: i32,
     rows: i32,
-    goal: (i32, i32),
+    goal_column: i32,
+    goal_row: i32,
     number: u32,
     visited: &'a mut [Visited],
     buckets: &'a mut [Vec<Open>],
@@ -274,7 +277,7 @@ impl Run<'_> {
     /// Octile distance to the goal, cells.
     #[inline]
     fn estimate(&self, x: i32, y: i32) -> f64 {
-        let (dx, dy) = ((x - self.goal.0).abs(), (y - self.goal.1).abs());
+        let (dx, dy) = ((x - self.goal_column).abs(), (y - self.goal_row).abs());
         f64::from(dx.max(dy)) + (SQRT_2 - 1.0) * f64::from(dx.min(dy))
     }
 

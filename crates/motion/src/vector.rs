@@ -50,6 +50,11 @@ impl Vector2 {
         self.x * other.y - self.y * other.x
     }
 
+    /// Whether both components are finite and smaller than `most`.
+    pub(crate) fn is_within(self, most: f64) -> bool {
+        self.x.abs() < most && self.y.abs() < most
+    }
+
     /// Its length.
     #[inline]
     pub fn norm(self) -> f64 {

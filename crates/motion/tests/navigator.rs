@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::navigator::Cause;
+use openbench_motion::FailureReason;
 use openbench_motion::recovery::{Recovery, Step};
 use openbench_motion::{
     Blocked, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress, Situation,
@@ -14,7 +14,7 @@ use openbench_motion::{
 struct Straight;
 
 impl Guide for Straight {
-    fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
+    fn path(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
         Ok(vec![from, to])
     }
 
@@ -31,7 +31,7 @@ impl LocalPlanner for Timid {
         Err(Blocked::Obstacle(0.5))
     }
 
-    fn among_people(&self, _situation: &Situation<'_>, _velocity: Velocity) -> Velocity {
+    fn limit_near_people(&self, _situation: &Situation<'_>, _velocity: Velocity) -> Velocity {
         Velocity::ZERO
     }
 
@@ -144,7 +144,7 @@ fn a_maneuver_begins_as_there_is_room_and_has_a_cause() {
     for (goal, obstacles, wanted) in [
         (behind, &corridor[..], Step::Back),
         (behind, &[], Step::Turn),
-        (ahead, &[], Step::Wind),
+        (ahead, &[], Step::Maneuver),
     ] {
         let taken = first_steps(goal, obstacles);
         let steps: Vec<Step> = taken.iter().map(|recovery| recovery.step).collect();
@@ -238,7 +238,7 @@ fn a_robot_that_lost_its_pose_waits_for_it_but_not_for_ever() {
     }
     let found = navigator.drive(&now(100, Pose2::default(), &[]), &mut Straight);
     assert_eq!(found, Navigation::Drive(velocity));
-    let failed = Navigation::Failed(Cause::Stuck(Blocked::NoPose));
+    let failed = Navigation::Failed(FailureReason::Stuck(Blocked::NoPose));
     assert!((101..160).all(|cycle| {
         let drives = navigator.drive(
             &now(cycle, Pose2::new(0.02 * f64::from(cycle), 0.0, 0.0), &[]),
@@ -272,7 +272,7 @@ fn a_robot_that_lost_its_pose_waits_for_it_but_not_for_ever() {
 fn a_goal_that_is_not_finite_is_given_up_at_once() {
     for goal in [MapPoint::new(f64::NAN, 0.0), MapPoint::new(0.0, 1e300)] {
         let mut navigator = navigator(Ok(Progress::Arrived), goal);
-        let failed = Navigation::Failed(Cause::Stuck(Blocked::NoPath));
+        let failed = Navigation::Failed(FailureReason::Stuck(Blocked::NoPath));
         assert_eq!(
             navigator.drive(&now(0, Pose2::default(), &[]), &mut Straight),
             failed

@@ -258,11 +258,11 @@ fn impossible_settings_are_refused_by_name() {
             "the distance between via points is 0",
         ),
         (
-            refused(|s| s.surprise = Some(-1.0)),
+            refused(|s| s.approach_margin_mps = Some(-1.0)),
             "approach speed of people is -1",
         ),
         (
-            refused(|s| s.yields = Some(f64::INFINITY)),
+            refused(|s| s.stopping_time_s = Some(f64::INFINITY)),
             "to stop is inf",
         ),
         (refused(|s| s.band.margins.least = -0.1), "a margin is -0.1"),

@@ -17,7 +17,7 @@ fn time(cycle: u32) -> SimTime {
 
 /// The largest distance of a band to the left of the x axis, less that to the right, metres.
 fn aside(teb: &Teb, class: usize) -> f64 {
-    let knots = teb.candidates()[class].band.knots();
+    let knots = teb.candidates()[class].band.poses();
     let y = |sign: f64| knots.iter().map(|k| sign * k.pose.y).fold(0.0, f64::max);
     y(1.0) - y(-1.0)
 }

@@ -41,7 +41,7 @@ fn bands_pass_via_points_of_the_path_on_request() {
             })
             .unwrap();
         }
-        let knots = teb.candidates()[0].band.knots();
+        let knots = teb.candidates()[0].band.poses();
         knots.iter().map(|k| k.pose.y).fold(0.0, f64::max)
     };
     assert!(furthest_aside(None, 0.0) < 0.1);
@@ -82,11 +82,11 @@ fn impossible_preferences_are_refused() {
             ..good
         },
         TebSettings {
-            surprise: Some(-1.0),
+            approach_margin_mps: Some(-1.0),
             ..good
         },
         TebSettings {
-            yields: Some(0.0),
+            stopping_time_s: Some(0.0),
             ..good
         },
     ];
@@ -100,12 +100,12 @@ fn impossible_preferences_are_refused() {
 
 /// The robot's speed when it is touched by somebody who walks beside it and approaches with
 /// `comes_nearer` m/s, though they seem to walk straight on.
-fn touched_at(surprise: Option<f64>, comes_nearer: f64) -> f64 {
+fn touched_at(approach_margin_mps: Option<f64>, comes_nearer: f64) -> f64 {
     let robot = RobotDescription::sentry();
     let mut teb = Teb::new(
         &robot,
         TebSettings {
-            surprise,
+            approach_margin_mps,
             ..TebSettings::default()
         },
     )
@@ -156,7 +156,8 @@ fn touched_at(surprise: Option<f64>, comes_nearer: f64) -> f64 {
 fn a_cautious_robot_stands_when_it_is_touched() {
     // People who approach more slowly than this are braked for without caution, too.
     for comes_nearer in [0.15, 0.25, 0.4, 0.6] {
-        let speeds = [Some(0.4), None].map(|surprise| touched_at(surprise, comes_nearer));
+        let speeds = [Some(0.4), None]
+            .map(|approach_margin_mps| touched_at(approach_margin_mps, comes_nearer));
         assert!(
             speeds[0] < 0.05 && speeds[1] > 0.3,
             "{comes_nearer}: {speeds:?}"
@@ -166,11 +167,11 @@ fn a_cautious_robot_stands_when_it_is_touched() {
 
 /// Seconds until a standing robot sets out for a place straight ahead (1) or behind it (-1) while
 /// somebody is `away` metres aside.
-fn sets_out_after(surprise: Option<f64>, away: f64, ahead: f64) -> f64 {
+fn sets_out_after(approach_margin_mps: Option<f64>, away: f64, ahead: f64) -> f64 {
     let mut teb = Teb::new(
         &RobotDescription::sentry(),
         TebSettings {
-            surprise,
+            approach_margin_mps,
             ..TebSettings::default()
         },
     )
@@ -206,11 +207,11 @@ fn a_cautious_robot_near_somebody_waits_before_it_sets_out() {
 
 /// The least distance between a robot that drives east and somebody who walks north across its path
 /// without looking, and whether the robot reaches its goal.
-fn crosses(yields: Option<f64>, begins: f64) -> (f64, bool) {
+fn crosses(stopping_time_s: Option<f64>, begins: f64) -> (f64, bool) {
     let robot = RobotDescription::sentry();
     let mut settings = TebSettings {
-        surprise: Some(0.4),
-        yields,
+        approach_margin_mps: Some(0.4),
+        stopping_time_s,
         ..TebSettings::default()
     };
     settings.band.margins.moving = 0.3;

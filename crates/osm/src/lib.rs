@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //! ## Modules
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `element` | nodes, ways and relations |
 //! | `tags` | [`Tags`]: the tags of an element |

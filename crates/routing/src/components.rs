@@ -24,7 +24,7 @@ pub struct Components {
 impl Components {
     /// The components of a graph with the costs that its weights were made from. `turns` are the
     /// states of the graph, if these are directed edges.
-    pub fn new(
+    pub(crate) fn new(
         roads: &Roads,
         costs: &Costs<'_>,
         turns: Option<&TurnGraph>,
@@ -63,12 +63,12 @@ impl Components {
     }
 
     /// The component of an edge.
-    pub fn of(&self, edge: u32) -> Option<u32> {
+    pub(crate) fn of(&self, edge: u32) -> Option<u32> {
         Some(self.of_edge[edge as usize]).filter(|component| *component != NONE)
     }
 
     /// Whether an edge is in a large component.
-    pub fn is_large(&self, edge: u32) -> bool {
+    pub(crate) fn is_large(&self, edge: u32) -> bool {
         self.of(edge)
             .is_some_and(|component| self.large[component as usize])
     }

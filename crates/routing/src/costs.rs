@@ -10,7 +10,7 @@ use crate::overlay::FAR;
 use crate::profile::{Passing, Profile, Travel};
 
 /// Units of weights and durations in a second.
-pub const UNITS_PER_SECOND: f64 = 100.0;
+pub(crate) const UNITS_PER_SECOND: f64 = 100.0;
 
 /// A weight and a duration, each with a flag. Weights end at [`FAR`], so the highest bits are free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,7 +67,7 @@ impl EdgeCost {
 
     /// Whether the edge may be used only by routes that begin or end there.
     #[inline]
-    pub fn ends_only(self) -> bool {
+    pub(crate) fn ends_only(self) -> bool {
         self.0.weight & FLAG != 0
     }
 
@@ -80,35 +80,35 @@ impl EdgeCost {
 
 /// The cost of passing a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct VertexCost(Flagged);
+pub(crate) struct VertexCost(Flagged);
 
 impl VertexCost {
     /// The weight; [`FAR`] if the vertex cannot be passed.
     #[inline]
-    pub fn weight(self) -> u32 {
+    pub(crate) fn weight(self) -> u32 {
         self.0.weight & FAR
     }
 
     /// The time it takes.
     #[inline]
-    pub fn duration(self) -> u32 {
+    pub(crate) fn duration(self) -> u32 {
         self.0.duration & FAR
     }
 
     /// Whether an edge that is open to through traffic meets the vertex.
-    pub fn is_public(self) -> bool {
+    pub(crate) fn is_public(self) -> bool {
         self.0.weight & FLAG != 0
     }
 
     /// Whether three open edges or more meet at the vertex.
-    pub fn is_junction(self) -> bool {
+    pub(crate) fn is_junction(self) -> bool {
         self.0.duration & FLAG != 0
     }
 }
 
 /// A profile with the costs of a network's edges and vertices.
 #[derive(Debug, Clone, Copy)]
-pub struct Costs<'a> {
+pub(crate) struct Costs<'a> {
     /// The profile.
     pub profile: &'a Profile,
     /// The cost of each directed edge: twice the edge's number, plus one against its direction.
@@ -121,7 +121,7 @@ pub struct Costs<'a> {
 
 impl Costs<'_> {
     /// Whether an edge can be travelled in one direction at least.
-    pub fn is_open(&self, edge: u32) -> bool {
+    pub(crate) fn is_open(&self, edge: u32) -> bool {
         (0..2).any(|side| self.edges[2 * edge as usize + side].is_open())
     }
 

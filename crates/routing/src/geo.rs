@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use openbench_core::LonLat;
 
 /// Units of a [`Place`] around the Earth.
-pub const TURN: i64 = 3_600_000_000;
+pub(crate) const TURN: i64 = 3_600_000_000;
 /// Units of a [`Place`] in a degree.
 const UNITS: f64 = 1e7;
 
@@ -43,7 +43,7 @@ impl Place {
 
     /// Its position along a Hilbert curve over an Earth of 2^32 by 2^32 cells. Places that are
     /// close on the curve are close on the Earth.
-    pub fn hilbert(self) -> u64 {
+    pub(crate) fn hilbert(self) -> u64 {
         let [mut x, mut y] = [self.lon, self.lat].map(|unit| (i64::from(unit) + (1 << 31)) as u32);
         let mut along = 0_u64;
         for bit in (0..32).rev() {
@@ -71,7 +71,7 @@ impl Place {
 /// Distances up to some kilometres between places near that latitude are accurate to 1e-6 or
 /// better.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
+pub(crate) struct Scale {
     /// Metres per unit of longitude.
     pub lon: f64,
     /// Metres per unit of latitude.
@@ -80,7 +80,7 @@ pub struct Scale {
 
 impl Scale {
     /// The scale at a latitude, which is given in units of a [`Place`].
-    pub fn at(lat: f64) -> Self {
+    pub(crate) fn at(lat: f64) -> Self {
         const EQUATOR: f64 = 6_378_137.0;
         const FLATTENING: f64 = 1.0 / 298.257_223_563;
         const E2: f64 = FLATTENING * (2.0 - FLATTENING);
@@ -96,7 +96,7 @@ impl Scale {
     }
 
     /// Metres eastwards and northwards from `a` to `b`, the short way around the Earth.
-    pub fn offset(self, a: Place, b: Place) -> [f64; 2] {
+    pub(crate) fn offset(self, a: Place, b: Place) -> [f64; 2] {
         let mut lon = i64::from(b.lon) - i64::from(a.lon);
         if lon.abs() > TURN / 2 {
             lon -= lon.signum() * TURN;
@@ -127,7 +127,7 @@ pub fn bearing(a: Place, b: Place) -> f64 {
 }
 
 /// The turn from a bearing to another, degrees: positive to the right, at most 180.
-pub fn turn(from: f64, to: f64) -> f64 {
+pub(crate) fn turn(from: f64, to: f64) -> f64 {
     let turn = (to - from).rem_euclid(360.0);
     if turn > 180.0 { turn - 360.0 } else { turn }
 }

@@ -23,7 +23,7 @@ const LEAST_FORK_DEG: f64 = 20.0;
 /// What to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Kind {
+pub(crate) enum Kind {
     /// Begin the route.
     Depart,
     /// The route has ended.
@@ -46,7 +46,7 @@ pub enum Kind {
 
 impl Kind {
     /// OSRM's term.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Depart => "depart",
             Self::Arrive => "arrive",
@@ -62,7 +62,7 @@ impl Kind {
 }
 
 /// OSRM's term for a turn by an angle in degrees, positive to the right.
-pub fn modifier(turn: f64) -> &'static str {
+pub(crate) fn modifier(turn: f64) -> &'static str {
     let [right, left] = match turn.abs() {
         size if size < 20.0 => ["straight"; 2],
         size if size < 40.0 => ["slight right", "slight left"],
@@ -75,7 +75,7 @@ pub fn modifier(turn: f64) -> &'static str {
 
 /// A stretch of the route with one maneuver at its beginning.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step {
+pub(crate) struct Step {
     /// The maneuver.
     pub kind: Kind,
     /// Its direction, see [`modifier`]; `None` on departure and arrival.
@@ -93,7 +93,7 @@ pub struct Step {
 
 /// An edge that leaves a junction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Exit {
+pub(crate) struct Exit {
     /// The directed edge.
     pub directed: u32,
     /// Its direction at the junction, degrees clockwise from north.
@@ -112,7 +112,7 @@ struct Maneuver {
 
 /// Gives instructions for routes of a profile.
 #[derive(Debug, Clone, Copy)]
-pub struct Guide<'a> {
+pub(crate) struct Guide<'a> {
     /// The network.
     pub roads: &'a Roads,
     /// The profile's costs.
@@ -121,13 +121,13 @@ pub struct Guide<'a> {
 
 impl Guide<'_> {
     /// All edges that leave a vertex.
-    pub fn exits(&self, vertex: u32) -> impl Iterator<Item = Exit> + '_ {
+    pub(crate) fn exits(&self, vertex: u32) -> impl Iterator<Item = Exit> + '_ {
         let out = &self.roads.vertices.out;
         out.of(vertex).map(move |slot| self.exit(out.via[slot]))
     }
 
     /// A directed edge as an exit of the vertex that it leaves.
-    pub fn exit(&self, directed: u32) -> Exit {
+    pub(crate) fn exit(&self, directed: u32) -> Exit {
         let open = self.metric.edges[directed as usize].is_open();
         Exit {
             directed,
@@ -137,7 +137,7 @@ impl Guide<'_> {
     }
 
     /// The steps of a leg, the last of which is the arrival.
-    pub fn steps(&self, leg: &Leg, line: &Line) -> Vec<Step> {
+    pub(crate) fn steps(&self, leg: &Leg, line: &Line) -> Vec<Step> {
         let mut begin = 0;
         let mut maneuver = None;
         let mut steps = Vec::new();

@@ -1,25 +1,25 @@
 #![doc = include_str!("../README.md")]
 //! ## Modules
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
-//! | [`profile`] | [`Profile`]: who may go where, how fast and at which cost |
+//! | `profile` | [`Profile`]: who may go where, how fast and at which cost |
 //! | [`network`] | vertices and edges of a map, independent of profiles |
 //! | [`partition`] | vertices in cells, and cells in larger cells |
-//! | [`roads`] | [`Roads`]: a network in cells |
+//! | `roads` | [`Roads`]: a network in cells |
 //! | [`overlay`] | layers of cells over a graph, and the paths through them |
-//! | [`costs`] | costs of edges and vertices for a profile |
+//! | `costs` | costs of edges and vertices for a profile |
 //! | `restrictions` | turns that are not allowed |
 //! | `bearings` | the directions in which edges leave and reach vertices |
-//! | [`turns`] | the graph of turns, for profiles to which turns matter |
-//! | [`components`] | strongly connected components |
-//! | [`metric`] | [`Metric`]: a profile customized for a network |
+//! | `turns` | the graph of turns, for profiles to which turns matter |
+//! | `components` | strongly connected components |
+//! | `metric` | [`Metric`]: a profile customized for a network |
 //! | [`search`] | searches over layers: a path, alternatives, tables |
 //! | [`tree`], [`position`] | segments near a place, and the place's position on the network |
 //! | [`leg`] | the route from one place to another |
 //! | [`mod@through`] | the route through several places |
-//! | [`guidance`] | turn-by-turn instructions |
-//! | [`router`] | [`MapRouter`]: routes in the frame of a map |
+//! | `guidance` | turn-by-turn instructions |
+//! | `router` | [`MapRouter`]: routes in the frame of a map |
 //! | [`osrm`] | answers in the format of OSRM's HTTP API, version 1 |
 //! | [`store`] | graph files |
 //! | [`geo`] | places and distances |
@@ -27,33 +27,34 @@
 //! Agents use [`Router`].
 
 mod bearings;
-pub mod components;
-pub mod costs;
+mod components;
+mod costs;
 pub mod geo;
-pub mod guidance;
+mod guidance;
 pub mod leg;
-pub mod metric;
+mod metric;
 pub mod network;
 pub mod osrm;
 pub mod overlay;
 pub mod partition;
 pub mod position;
-pub mod profile;
+mod profile;
 mod restrictions;
-pub mod roads;
-pub mod router;
+mod roads;
+mod router;
 pub mod search;
 pub mod store;
 pub mod through;
 pub mod tree;
-pub mod turns;
+mod turns;
 
 use openbench_core::{MapPoint, TravelTimes};
 
 pub use metric::Metric;
-pub use profile::{Profile, ProfileError};
+pub use profile::{OutOfRange, Profile, ProfileError};
 pub use roads::Roads;
 pub use router::{MapRouter, PrepareError};
+pub use turns::TooManyTurns;
 
 /// A route over roads.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,7 +104,7 @@ pub struct RouterTimes<'a, R> {
     /// The router.
     pub router: &'a R,
     /// Speed off the network, m/s.
-    pub speed: f64,
+    pub off_road_speed: f64,
 }
 
 impl<R: Router> TravelTimes for RouterTimes<'_, R> {
@@ -117,7 +118,7 @@ impl<R: Router> TravelTimes for RouterTimes<'_, R> {
 
 impl<R: Router> RouterTimes<'_, R> {
     fn between(&self, a: MapPoint, b: MapPoint) -> f64 {
-        let direct = a.distance(b) / self.speed;
+        let direct = a.distance(b) / self.off_road_speed;
         let Ok(route) = self.router.route(a, b) else {
             return direct;
         };
@@ -126,6 +127,6 @@ impl<R: Router> RouterTimes<'_, R> {
         };
         let access = a.distance(*first) + b.distance(*last);
         // Places close to each other are reached across open ground.
-        direct.max(((access + route.distance) / self.speed).min(1.5 * direct))
+        direct.max(((access + route.distance) / self.off_road_speed).min(1.5 * direct))
     }
 }

@@ -13,7 +13,7 @@ use crate::turns::{TooManyTurns, TurnGraph};
 
 /// What passing from one edge to the next takes, hundredths of a second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct PassingCost {
+pub(crate) struct PassingCost {
     /// The time.
     pub duration: u32,
     /// The weight.
@@ -54,13 +54,13 @@ pub struct PassingCost {
 #[derive(Debug, Clone)]
 pub struct Metric {
     /// The profile.
-    pub profile: Profile,
+    pub(crate) profile: Profile,
     /// The cost of each directed edge: twice the edge's number, plus one against its direction.
     pub edges: Vec<EdgeCost>,
     /// The cost of passing each vertex.
-    pub vertices: Vec<VertexCost>,
+    pub(crate) vertices: Vec<VertexCost>,
     /// The weight of entering an edge that is closed to through traffic.
-    pub entry: u32,
+    pub(crate) entry: u32,
     /// Strongly connected components.
     pub components: Components,
     /// Layers over directed edges, if turns matter.
@@ -107,7 +107,7 @@ impl Metric {
     }
 
     /// The costs of edges and vertices alone.
-    pub fn costs(&self) -> Costs<'_> {
+    pub(crate) fn costs(&self) -> Costs<'_> {
         Costs {
             profile: &self.profile,
             edges: &self.edges,
@@ -159,12 +159,12 @@ impl Metric {
     }
 
     /// Whether all weights are durations.
-    pub fn weight_is_duration(&self) -> bool {
+    pub(crate) fn weight_is_duration(&self) -> bool {
         self.weight_is_duration
     }
 
     /// What arcs and paths through cells take.
-    pub fn values(&self, roads: &Roads) -> &Values {
+    pub(crate) fn values(&self, roads: &Roads) -> &Values {
         self.values.get_or_init(|| {
             let graph = self.searched(roads);
             let out = &graph.overlay.out;
@@ -193,7 +193,7 @@ impl Metric {
 
     /// What passing from one directed edge to the next takes: the vertex between them, and the
     /// turn.
-    pub fn passing(&self, roads: &Roads, from: u32, to: u32) -> PassingCost {
+    pub(crate) fn passing(&self, roads: &Roads, from: u32, to: u32) -> PassingCost {
         let costs = self.costs();
         let turn = match &self.turns {
             Some(turns) => turns.penalty(roads, &costs, from, to),
@@ -215,7 +215,7 @@ impl Metric {
 
     /// The weight of going from one directed edge into the next if the next is closed to through
     /// traffic.
-    pub fn entry_weight(&self, roads: &Roads, from: u32, to: u32) -> u32 {
+    pub(crate) fn entry_weight(&self, roads: &Roads, from: u32, to: u32) -> u32 {
         let into = self.edges[to as usize].ends_only();
         let from_public = match &self.turns {
             Some(_) => !self.edges[from as usize].ends_only() && to != from ^ 1,

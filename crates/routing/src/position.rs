@@ -92,7 +92,7 @@ impl Position {
     }
 
     /// The share of its edge before the place, in the direction in which the edge is travelled.
-    pub fn share_before(&self, directed: u32) -> f64 {
+    pub(crate) fn share_before(&self, directed: u32) -> f64 {
         if directed.is_multiple_of(2) {
             self.share
         } else {
@@ -157,7 +157,7 @@ impl Snap {
 
     /// Whether all of a route's places can stay where they are nearest although none of these is
     /// in a large component: all are in the same small one.
-    pub fn small_suffices(snaps: &[Self], metric: &Metric) -> bool {
+    pub(crate) fn small_suffices(snaps: &[Self], metric: &Metric) -> bool {
         let component = |snap: &Self| {
             let first = snap.nearest.first().filter(|_| !snap.large.is_empty())?;
             metric.components.of(first.edge)
@@ -167,7 +167,7 @@ impl Snap {
     }
 
     /// As [`Snap::positions`].
-    pub fn into_positions(self, small: bool) -> Vec<Position> {
+    pub(crate) fn into_positions(self, small: bool) -> Vec<Position> {
         if small || self.large.is_empty() {
             self.nearest
         } else {
@@ -252,7 +252,7 @@ fn open_directions(
 }
 
 /// The nearest places on different stretches of road, nearest first, `count` at most.
-pub fn several(
+pub(crate) fn several(
     roads: &Roads,
     metric: &Metric,
     place: Place,

@@ -19,7 +19,7 @@ pub struct Roads {
     /// Layers over vertices, for profiles to which turns do not matter.
     pub vertices: Overlay,
     /// Finds segments near a place.
-    pub segments: SegmentTree,
+    pub(crate) segments: SegmentTree,
 }
 
 impl Roads {

@@ -22,7 +22,7 @@ const FAN: usize = 16;
 /// An axis-aligned box: west, south, east, north, in units of a [`Place`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-pub struct Bounds([i32; 4]);
+pub(crate) struct Bounds([i32; 4]);
 
 /// Neighbouring segments of an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
@@ -35,7 +35,7 @@ pub(crate) struct Run {
 
 /// The place on an edge nearest to another place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Foot {
+pub(crate) struct Foot {
     /// The edge.
     pub edge: u32,
     /// The segment of the edge.
@@ -50,7 +50,7 @@ pub struct Foot {
 
 /// The tree.
 #[derive(Debug, Clone, Default)]
-pub struct SegmentTree {
+pub(crate) struct SegmentTree {
     pub(crate) runs: Column<Run>,
     /// Boxes of neighbouring runs, of neighbouring boxes, …, one row after another.
     pub(crate) boxes: Column<Bounds>,
@@ -131,7 +131,7 @@ impl Bounds {
 
 impl SegmentTree {
     /// An index of all segments of a network.
-    pub fn new(network: &Network) -> Self {
+    pub(crate) fn new(network: &Network) -> Self {
         let (runs, bounds) = sorted_runs(network);
         let rows = rows(runs.len());
         let mut boxes: Vec<Bounds> = bounds.chunks(LEAF).map(Bounds::union_of).collect();
@@ -155,7 +155,7 @@ impl SegmentTree {
 
     /// Shows the foot on each run of segments, nearest first, until `show` returns `false` or
     /// nothing is left within `limit` metres. Edges that are not usable are skipped.
-    pub fn nearest(
+    pub(crate) fn nearest(
         &self,
         network: &Network,
         place: Place,

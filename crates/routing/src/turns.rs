@@ -36,10 +36,10 @@ pub struct TooManyTurns {
 #[derive(Debug, Clone, Default)]
 pub struct TurnGraph {
     /// The layers.
-    pub overlay: Overlay,
+    pub(crate) overlay: Overlay,
     /// For each directed edge its state. The states that follow are on the same edge, behind the
     /// prefixes of restrictions that end with it.
-    pub state_of: Vec<u32>,
+    pub(crate) state_of: Vec<u32>,
     /// For each state its directed edge.
     pub edge_of: Vec<u32>,
     /// Restrictions that are ignored: their ways do not meet, or consist of too many edges.
@@ -52,7 +52,11 @@ impl TurnGraph {
     ///
     /// # Errors
     /// If the junctions of the map have too many roads.
-    pub fn new(roads: &Roads, profile: &Profile, edges: &[EdgeCost]) -> Result<Self, TooManyTurns> {
+    pub(crate) fn new(
+        roads: &Roads,
+        profile: &Profile,
+        edges: &[EdgeCost],
+    ) -> Result<Self, TooManyTurns> {
         let network = &roads.network;
         let is_open = |directed: u32| edges[directed as usize].is_open();
         let restrictions = Restrictions::new(network, profile, &is_open);
@@ -71,14 +75,14 @@ impl TurnGraph {
     }
 
     /// The states on a directed edge.
-    pub fn states_of(&self, directed: u32) -> impl Iterator<Item = u32> {
+    pub(crate) fn states_of(&self, directed: u32) -> impl Iterator<Item = u32> {
         let first = self.state_of[directed as usize];
         (first..).take_while(move |state| self.edge_of.get(*state as usize) == Some(&directed))
     }
 
     /// The weight of continuing from a state to another: the turn, the vertex between them, and the
     /// edge after the turn.
-    pub fn weight(&self, roads: &Roads, costs: &Costs<'_>, state: u32, next: u32) -> u32 {
+    pub(crate) fn weight(&self, roads: &Roads, costs: &Costs<'_>, state: u32, next: u32) -> u32 {
         let [from, to] = [state, next].map(|state| self.edge_of[state as usize]);
         let (a, b) = (costs.edges[from as usize], costs.edges[to as usize]);
         if !a.is_open() || !b.is_open() {
@@ -103,7 +107,7 @@ impl TurnGraph {
     }
 
     /// The time that turning from one directed edge into the next takes, hundredths of a second.
-    pub fn penalty(&self, roads: &Roads, costs: &Costs<'_>, from: u32, to: u32) -> u32 {
+    pub(crate) fn penalty(&self, roads: &Roads, costs: &Costs<'_>, from: u32, to: u32) -> u32 {
         let Some(turns) = costs.profile.turns() else {
             return 0;
         };
@@ -261,7 +265,7 @@ impl<'a> States<'a> {
 
 impl Turns {
     /// Seconds that a turn by an angle in degrees takes, positive to the right.
-    pub fn seconds(&self, degrees: f64) -> f64 {
+    pub(crate) fn seconds(&self, degrees: f64) -> f64 {
         let to_near_side = (degrees >= 0.0) == self.right_hand;
         let bias = if to_near_side {
             self.bias

@@ -6,10 +6,10 @@ use openbench_core::{
     Event, Events, FailureCause, GiveUp, MapPoint, Pose2, RobotDescription, SimTime, Velocity,
     WheelSample,
 };
-use openbench_motion::costmap::window::Window;
+use openbench_motion::costmap::RollingWindow;
 use openbench_motion::{
-    Footprint, LocalPlanner, Navigation, Navigator, Obstacle, RangeRing, Surroundings, Tracker,
-    people::Newcomers,
+    Footprint, LocalPlanner, Navigation, Navigator, NewPoints, Obstacle, RangeRing, Surroundings,
+    Tracker,
 };
 
 use crate::open::terrain::Terrain;
@@ -58,7 +58,7 @@ pub struct Driver {
     footprint: Footprint,
     terrain: Terrain,
     /// The costmap around the robot in finer cells, for the local planner.
-    window: Window,
+    window: RollingWindow,
     tracker: Tracker,
     navigator: Navigator,
     target: Option<Target>,
@@ -89,7 +89,7 @@ impl Driver {
         Ok(Self {
             footprint: Footprint::of(&robot).map_err(|e| unfit(e.to_string()))?,
             navigator: Navigator::new(&robot, planner).map_err(|e| unfit(e.to_string()))?,
-            window: Window::new(terrain.near(), terrain.near().grid().center(0)),
+            window: RollingWindow::new(terrain.near(), terrain.near().grid().center(0)),
             robot,
             terrain,
             tracker: Tracker::default(),
@@ -110,8 +110,8 @@ impl Driver {
     /// Adds a scan to the costmaps and to the tracker of people.
     pub fn observe(&mut self, ring: &RangeRing, now: SimTime) {
         self.window.follow(self.terrain.near(), ring.center);
-        let low = self.terrain.near().newcomers(ring);
-        let seen = Newcomers {
+        let low = self.terrain.near().new_points(ring);
+        let seen = NewPoints {
             sensor: ring.center,
             low: &low,
             above: &ring.above,
@@ -119,10 +119,10 @@ impl Driver {
         self.tracker
             .update(SimTime(now.0.saturating_sub(HALF_SCAN_NS)), &seen);
         self.window
-            .observe_but(ring, |point| self.tracker.covers(point));
+            .observe_static(ring, |point| self.tracker.covers(point));
         self.terrain
             .near_mut()
-            .observe_but(ring, |point| self.tracker.covers(point));
+            .observe_static(ring, |point| self.tracker.covers(point));
     }
 
     /// Forgets all obstacles that were seen, after they were misplaced.

@@ -276,7 +276,7 @@ fn thinned(views: &[Waypoint]) -> Vec<Waypoint> {
 mod tests {
     use super::*;
     use openbench_core::{Georeference, LonLat};
-    use openbench_motion::costmap::ground::Preferences;
+    use openbench_motion::costmap::Preferences;
     use openbench_osm::{OsmData, Projection};
 
     /// Distance from which plates are in the picture, metres.

@@ -574,7 +574,7 @@ fn understand(
     };
     let times = RouterTimes {
         router,
-        speed: briefing.robot.max_forward,
+        off_road_speed: briefing.robot.max_forward,
     };
     let request = PlanRequest {
         instruction,

@@ -7,7 +7,7 @@ use openbench_core::RobotDescription;
 use openbench_language::Planner;
 use openbench_localization::{FixSource, Localizer};
 use openbench_models::Meter;
-use openbench_motion::costmap::ground::Preferences;
+use openbench_motion::costmap::Preferences;
 use openbench_motion::local::Entry;
 use openbench_osm::OsmData;
 use openbench_vision::PlateReader;

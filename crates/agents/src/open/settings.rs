@@ -6,8 +6,8 @@ use std::error::Error;
 
 use openbench_core::{RobotDescription, UnknownName};
 use openbench_models::{Budget, BudgetError};
-use openbench_motion::costmap::ground::Preferences;
-use openbench_motion::teb::settings::Margins;
+use openbench_motion::costmap::Preferences;
+use openbench_motion::teb::Margins;
 use openbench_motion::{PlannerSettings, TebSettings};
 use openbench_vision::ReaderSettings;
 
@@ -235,10 +235,10 @@ const PLANNER_SEED: u64 = 1;
 pub fn teb() -> TebSettings {
     let mut settings = TebSettings {
         tolerance: GOAL_TOLERANCE_M,
-        surprise: Some(PEOPLE_SPEED_MARGIN_MPS),
+        approach_margin_mps: Some(PEOPLE_SPEED_MARGIN_MPS),
         ..TebSettings::default()
     };
-    settings.yields = Some(PEOPLE_STOPPING_TIME_S);
+    settings.stopping_time_s = Some(PEOPLE_STOPPING_TIME_S);
     settings.band.margins = MARGINS;
     settings.band.weights.length = PATH_COST_S_PER_M;
     settings

@@ -8,8 +8,8 @@
 
 use openbench_core::{MapPoint, RobotDescription};
 use openbench_geometry::Segment;
-use openbench_motion::costmap::ground::Preferences;
-use openbench_motion::costmap::overview::{Obstruction, Overview};
+use openbench_motion::costmap::Preferences;
+use openbench_motion::costmap::{Obstruction, Overview};
 use openbench_motion::{Costmap, CostmapError, Guide, PlanError, Search, costs, plan};
 use openbench_osm::OsmMap;
 use openbench_routing::{MapRouter, Router};
@@ -118,8 +118,8 @@ impl Terrain {
 
     /// Describes what blocks the path to a place that cannot be reached.
     pub fn obstacle(&self, from: MapPoint, to: MapPoint) -> String {
-        match self.overview.bar(&self.map, from, to) {
-            Some(Obstruction { bar, at }) => format!("no path leads to {to} past {bar} at {at}"),
+        match self.overview.obstruction(&self.map, from, to) {
+            Some(Obstruction { kind, at }) => format!("no path leads to {to} past {kind} at {at}"),
             None => format!("no path leads to {to}"),
         }
     }
@@ -139,7 +139,7 @@ impl Terrain {
 
     /// A corridor to a goal by all that is known: over the ground, or over roads.
     fn lay(&self, from: MapPoint, goal: MapPoint) -> Result<Corridor, PlanError> {
-        let ground = self.overview.way(&self.map, from, goal);
+        let ground = self.overview.path(&self.map, from, goal);
         let points = ground.or_else(|error| self.over_roads(from, goal).ok_or(error))?;
         Ok(Corridor {
             goal,
@@ -151,11 +151,11 @@ impl Terrain {
         let route = self.roads.as_ref()?.route(from, goal).ok()?;
         let (first, last) = (*route.points.first()?, *route.points.last()?);
         // Between the roads and both ends the map's ground has to be open.
-        let mut points = self.overview.way(&self.map, from, first).ok()?;
+        let mut points = self.overview.path(&self.map, from, first).ok()?;
         points.extend(route.points.into_iter().skip(1));
         points.extend(
             self.overview
-                .way(&self.map, last, goal)
+                .path(&self.map, last, goal)
                 .ok()?
                 .into_iter()
                 .skip(1),
@@ -223,13 +223,13 @@ struct Blocked {
 }
 
 impl Guide for Terrain {
-    fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
+    fn path(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
         self.follow(from);
         self.partial = false;
         self.near.inflate();
         if is_within(&self.near, to, 0.0) {
             match plan(&mut self.search, &self.near, from, to) {
-                Err(PlanError::NoWay(..)) => {}
+                Err(PlanError::NoPath(..)) => {}
                 found => return found,
             }
         }
@@ -266,7 +266,7 @@ impl Guide for Terrain {
         let near = blocked
             .and_then(|blocked| blocked.reached)
             .filter(|at| at.distance(from) > HERE_M);
-        let near = near.ok_or(PlanError::NoWay(from, to))?;
+        let near = near.ok_or(PlanError::NoPath(from, to))?;
         self.partial = true;
         plan(&mut self.search, &self.near, from, near)
     }
@@ -379,7 +379,7 @@ mod tests {
         let mut terrain = walled(&[&[(200.0, -30.0), (200.0, 120.0)]]);
         let (start, goal) = (MapPoint::default(), MapPoint::new(400.0, 0.0));
         let shortest = 2.0 * start.distance(MapPoint::new(200.0, -30.0));
-        let way = terrain.way(start, goal).unwrap();
+        let way = terrain.path(start, goal).unwrap();
         assert!(
             (shortest..1.03 * shortest).contains(&length(&way)),
             "{} for {shortest}",
@@ -388,7 +388,7 @@ mod tests {
         assert!(!terrain.is_partial() && way.last().unwrap().distance(goal) < 1.0);
         // The same from further on, once the costmap has followed.
         let later = MapPoint::new(120.0, -18.0);
-        let rest = terrain.way(later, goal).unwrap();
+        let rest = terrain.path(later, goal).unwrap();
         assert!(length(&rest) < length(&way) - 110.0);
         assert!(terrain.near().grid().cell_at(later).is_some());
     }
@@ -397,7 +397,7 @@ mod tests {
     fn what_was_seen_is_gone_round_beyond_what_is_seen() {
         let mut terrain = walled(&[]);
         let (start, goal) = (MapPoint::default(), MapPoint::new(150.0, 0.0));
-        let straight = length(&terrain.way(start, goal).unwrap());
+        let straight = length(&terrain.path(start, goal).unwrap());
         // A hedge that no map has, from rim to rim but for its northern end.
         for north in -24..23 {
             let from = MapPoint::new(8.0, 2.0 * f64::from(north));
@@ -407,10 +407,10 @@ mod tests {
                 .near_mut()
                 .observe(&RangeRing::new(from, 0.25, hedge));
         }
-        let round = length(&terrain.way(start, goal).unwrap());
+        let round = length(&terrain.path(start, goal).unwrap());
         assert!(straight < 151.0 && round > 165.0, "{straight} {round}");
         terrain.forget_seen();
-        assert!(length(&terrain.way(start, goal).unwrap()) < 151.0);
+        assert!(length(&terrain.path(start, goal).unwrap()) < 151.0);
     }
 
     #[test]
@@ -425,8 +425,8 @@ mod tests {
         let mut terrain = walled(&[&yard]);
         let (start, goal) = (MapPoint::default(), MapPoint::new(80.0, 0.0));
         assert!(matches!(
-            terrain.way(start, goal),
-            Err(PlanError::NoWay(..))
+            terrain.path(start, goal),
+            Err(PlanError::NoPath(..))
         ));
         let words = terrain.obstacle(start, goal);
         assert!(

@@ -168,7 +168,7 @@ impl FixSource for SimulatedFixes {
             // The heading is not measured: the estimate's own, with zero information.
             pose: Isometry2::new(Vector2::new(truth.x + bias_m, truth.y) + error, near.yaw),
             information: Matrix3::from_diagonal(&[information, information, 0.0].into()),
-            credible: GATE_STANDARD_DEVIATIONS,
+            max_deviations: GATE_STANDARD_DEVIATIONS,
         })
     }
 }

@@ -30,7 +30,7 @@ pub fn run(args: &PlanArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     let router = MapRouter::new(&data, map.projection.clone(), Profile::delivery())?;
     let times = RouterTimes {
         router: &router,
-        speed: 0.5,
+        off_road_speed: 0.5,
     };
     let request = PlanRequest {
         instruction: &args.instruction,

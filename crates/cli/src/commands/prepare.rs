@@ -28,18 +28,12 @@ fn summary(roads: &Roads) -> String {
         network.point_count(),
         network.restrictions.len()
     );
-    for (height, layer) in (1..).zip(&roads.vertices.layers) {
-        let crossing = roads
-            .vertices
-            .out
-            .border
-            .iter()
-            .filter(|border| **border >= height)
-            .count()
-            / 2;
+    for (index, layer) in roads.vertices.layers.iter().enumerate() {
         text += &format!(
-            "layer {height}: {:6} cells, {crossing:6} edges between them, {:6} border vertices\n",
+            "layer {}: {:6} cells, {:6} edges between them, {:6} border vertices\n",
+            index + 1,
             layer.cells(),
+            roads.vertices.edges_between_cells(index),
             layer.state.len()
         );
     }

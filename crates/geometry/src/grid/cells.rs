@@ -102,6 +102,22 @@ impl GridGeometry {
         );
         (columns.0 <= columns.1 && rows.0 <= rows.1).then_some((columns, rows))
     }
+
+    /// The cells of the box between two points, row by row from the south-west; none outside the
+    /// grid.
+    pub fn cells_between(
+        &self,
+        low: MapPoint,
+        high: MapPoint,
+    ) -> impl Iterator<Item = usize> + use<> {
+        let width = self.width;
+        let window = self.window(low, high).into_iter();
+        window.flat_map(move |(columns, rows)| {
+            (rows.0..=rows.1).flat_map(move |row| {
+                (columns.0..=columns.1).map(move |column| row as usize * width + column as usize)
+            })
+        })
+    }
 }
 
 #[cfg(test)]
@@ -122,5 +138,22 @@ mod tests {
         }
         assert_eq!(grid.cell_at(MapPoint::new(-3.01, 3.0)), None);
         assert_eq!(grid.cell_at(MapPoint::new(0.0, f64::NAN)), None);
+    }
+
+    #[test]
+    fn cells_of_a_box_come_row_by_row_and_end_at_the_border() {
+        let grid = GridGeometry {
+            origin: MapPoint::default(),
+            width: 4,
+            height: 3,
+            cell: 1.0,
+        };
+        let cells = |low: f64, high: f64| -> Vec<usize> {
+            grid.cells_between(MapPoint::new(low, low), MapPoint::new(high, high))
+                .collect()
+        };
+        assert_eq!(cells(1.5, 2.5), [5, 6, 9, 10]);
+        assert_eq!(cells(2.5, 9.0), [10, 11]);
+        assert!(cells(-9.0, -1.0).is_empty());
     }
 }

@@ -1,6 +1,6 @@
 //! Pose graphs: the poses that agree best with the motions measured between them.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `pose` | poses in the plane and in space, as Lie groups |
 //! | `problem` | [`Graph`]: poses, edges, priors |

@@ -31,7 +31,7 @@ pub struct Prior<P, const D: usize> {
     pub information: SMatrix<f64, D, D>,
     /// A residual of more standard deviations than this makes it an outlier (truncated least
     /// squares). Infinite for a measurement that is always right.
-    pub credible: f64,
+    pub max_deviations: f64,
 }
 
 /// Poses, edges and priors.
@@ -108,7 +108,7 @@ pub(super) fn is_information<const D: usize>(information: &SMatrix<f64, D, D>) -
 
 impl<P: Pose<D>, const D: usize> Graph<P, D> {
     /// The sum of squared residuals in standard deviations. A prior counts no more than if it were
-    /// just credible.
+    /// just within its [`max_deviations`](Prior::max_deviations).
     pub fn chi2(&self) -> f64 {
         let edges = self.edges.iter().map(|edge| self.edge_chi2(edge));
         let priors = self.priors.iter().map(|prior| self.prior_chi2(prior));
@@ -121,7 +121,7 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
 
     fn prior_chi2(&self, prior: &Prior<P, D>) -> f64 {
         let square = normalized_square(&prior.residual(&self.poses), &prior.information);
-        square.min(prior.credible * prior.credible)
+        square.min(prior.max_deviations * prior.max_deviations)
     }
 
     /// Poses that nothing would keep from drifting off: the first one of each connected part of

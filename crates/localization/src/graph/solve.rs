@@ -240,7 +240,7 @@ impl<const D: usize> System<D> {
         let off = prior.disagreement(poses);
         let residual = off.distance();
         let square = normalized_square(&residual, &prior.information);
-        let is_credible = square < prior.credible * prior.credible;
+        let is_credible = square < prior.max_deviations * prior.max_deviations;
         if let Some(pose) = self.unknown[prior.at]
             && is_credible
         {
@@ -316,7 +316,7 @@ mod tests {
                 at: 0,
                 measured,
                 information,
-                credible: 3.0,
+                max_deviations: 3.0,
             }
         };
         graph.priors = vec![prior(0.5, 0.0), prior(40.0, 3.0)];

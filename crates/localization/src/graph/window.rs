@@ -98,7 +98,7 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
                 at: 0,
                 measured: start,
                 information,
-                credible: f64::INFINITY,
+                max_deviations: f64::INFINITY,
             },
         }
     }
@@ -122,8 +122,9 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
     }
 
     /// Attaches a fix to the newest pose, with the inverse of its covariance in its own frame. It
-    /// is an outlier beyond `credible` standard deviations. A pose keeps its eight newest fixes.
-    pub fn fix(&mut self, measured: P, information: SMatrix<f64, D, D>, credible: f64) {
+    /// is an outlier beyond `max_deviations` standard deviations. A pose keeps its eight newest
+    /// fixes.
+    pub fn fix(&mut self, measured: P, information: SMatrix<f64, D, D>, max_deviations: f64) {
         let at = self.poses.len() - 1;
         let first = self.fixes.partition_point(|fix| fix.fix.at < at);
         if self.fixes.len() - first == MAX_FIXES_PER_POSE {
@@ -133,7 +134,7 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
             at,
             measured,
             information,
-            credible,
+            max_deviations,
         };
         self.fixes.push_back(WeightedFix { fix, weight: 1.0 });
     }
@@ -207,7 +208,8 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
     /// The control parameter μ from which on the cost is convex over all residuals.
     fn convex_control(&self, squares: &[f64]) -> f64 {
         let fixes = self.fixes.iter().zip(squares);
-        let ratios = fixes.map(|(fix, square)| square / (fix.fix.credible * fix.fix.credible));
+        let ratios =
+            fixes.map(|(fix, square)| square / (fix.fix.max_deviations * fix.fix.max_deviations));
         let largest = ratios.fold(0.0, f64::max);
         if 2.0 * largest > 1.0 {
             1.0 / (2.0 * largest - 1.0)
@@ -219,7 +221,7 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
     /// Weighs the fixes by their squared residuals.
     fn weigh(&mut self, squares: &[f64], mu: f64) {
         for (fix, square) in self.fixes.iter_mut().zip(squares) {
-            fix.weight = weight(mu, *square, fix.fix.credible);
+            fix.weight = weight(mu, *square, fix.fix.max_deviations);
         }
     }
 
@@ -241,7 +243,7 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
         }
     }
 
-    /// Gives a graph the anchor and the fixes as they are weighed now.
+    /// Gives a graph the anchor and the fixes as they are weighted now.
     fn set_priors(&self, graph: &mut Graph<P, D>) {
         let fixes = self.fixes.iter().filter(|fix| fix.weight > 0.0);
         graph.priors = std::iter::once(self.anchor.clone())
@@ -282,11 +284,11 @@ impl<P: Clone, const D: usize> Motion<P, D> {
 }
 
 impl<P: Clone, const D: usize> WeightedFix<P, D> {
-    /// The fix as a prior that is always right, with as much information as it is weighed.
+    /// The fix as a prior that is always right, with as much information as it is weighted.
     fn weighted(&self) -> Prior<P, D> {
         Prior {
             information: self.fix.information * self.weight,
-            credible: f64::INFINITY,
+            max_deviations: f64::INFINITY,
             ..self.fix.clone()
         }
     }
@@ -344,7 +346,7 @@ impl<const D: usize> TwoPoses<D> {
                 at: 0,
                 measured: second.clone(),
                 information: SMatrix::zeros(),
-                credible: f64::INFINITY,
+                max_deviations: f64::INFINITY,
             }
         })
     }
@@ -360,14 +362,14 @@ impl<const D: usize> TwoPoses<D> {
             at: 0,
             measured,
             information,
-            credible: f64::INFINITY,
+            max_deviations: f64::INFINITY,
         })
     }
 }
 
 /// Weight of a squared residual under the control parameter μ: equation 14.
-fn weight(mu: f64, square: f64, credible: f64) -> f64 {
-    let limit = credible * credible;
+fn weight(mu: f64, square: f64, max_deviations: f64) -> f64 {
+    let limit = max_deviations * max_deviations;
     if mu.is_infinite() {
         return f64::from(u8::from(square <= limit));
     }
@@ -376,7 +378,7 @@ fn weight(mu: f64, square: f64, credible: f64) -> f64 {
     } else if square >= (mu + 1.0) / mu * limit {
         0.0
     } else {
-        (credible / square.sqrt() * (mu * (mu + 1.0)).sqrt() - mu).clamp(0.0, 1.0)
+        (max_deviations / square.sqrt() * (mu * (mu + 1.0)).sqrt() - mu).clamp(0.0, 1.0)
     }
 }
 

@@ -62,5 +62,6 @@ pub struct Refused {
     /// Gaps between samples of the IMU.
     pub gaps: usize,
     /// How often the filter diverged from wheels and gyroscope, and was restarted from these.
-    pub runaways: usize,
+    #[serde(rename = "runaways")]
+    pub restarts: usize,
 }

@@ -8,7 +8,7 @@
 //!
 //! [`LidarInertialOdometry`] is the entry point; `pipeline` shows what becomes of a scan.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `settings`, `noise` | [`Settings`], [`ImuNoise`], [`LidarNoise`]: what the sensors are like |
 //! | `estimate` | [`Estimate`], [`Status`], [`Refused`]: what the odometry reports |
@@ -27,7 +27,9 @@
 //! | `scan_match`, `noise_scale` | how well a scan lies on the map; how noisy the LiDAR is |
 //! | `drift` | how far off the map is by now, and how it is tilted |
 //! | `start` | the first state |
-//! | `pipeline`, `odometry` | what becomes of a scan; what waits for what |
+//! | `trust` | whether the sensors contradict each other; the restart of a diverged filter |
+//! | `pipeline`, `without_scan` | what becomes of a scan; how the odometry goes on without one |
+//! | `odometry` | what waits for what |
 
 mod belief;
 mod degeneracy;
@@ -53,11 +55,13 @@ mod settings;
 mod speed;
 mod start;
 pub mod state;
+mod trust;
 mod undistortion;
 mod unmeasured_turn;
 mod velocity_update;
 mod watchdog;
 mod wheel_speeds;
+mod without_scan;
 
 pub use estimate::{Estimate, Refused, Status};
 pub use noise::{ImuNoise, LidarNoise};

@@ -33,7 +33,7 @@ const MAX_SILENCE: Duration = Duration::from_secs(2);
 ///
 /// ```
 /// use openbench_core::{ImuSample, LidarPoint, LidarScan, RobotDescription, SimTime};
-/// use openbench_localization::lidar_inertial::settings;
+/// use openbench_localization::lidar_inertial::sensor_settings;
 /// use openbench_localization::lio::{LidarInertialOdometry, Status};
 ///
 /// // Ground half a metre below the LiDAR, a wall 4 m to the left, one 5 m ahead.
@@ -49,7 +49,7 @@ const MAX_SILENCE: Duration = Duration::from_secs(2);
 /// };
 /// let points: Vec<LidarPoint> = (0..3000).map(point).collect();
 ///
-/// let mut odometry = LidarInertialOdometry::new(settings(&RobotDescription::sentry()));
+/// let mut odometry = LidarInertialOdometry::new(sensor_settings(&RobotDescription::sentry()));
 /// let mut estimates = Vec::new();
 /// for i in 0..300 {
 ///     let stamp = SimTime::from_millis(10 * i);
@@ -91,7 +91,7 @@ impl LidarInertialOdometry {
     }
 
     /// Pose at the newest sample of the IMU, and when that was; `None` before the start.
-    pub fn now(&self) -> Option<(SimTime, Pose3)> {
+    pub fn newest_pose(&self) -> Option<(SimTime, Pose3)> {
         self.pipeline.newest_pose()
     }
 

@@ -3,8 +3,7 @@
 //! After algorithm 1 of FAST-LIO (W. Xu, F. Zhang 2021): predict, undistort, match and update. The
 //! map is VoxelMap's (C. Yuan et al. 2022). What is beyond the papers: a saturated gyroscope, scans
 //! that contradict the map, degenerate scenes, a map that drifts and tilts, and a watchdog.
-
-use std::time::Duration;
+//! `without_scan` says what happens where no scan comes.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use openbench_core::{LidarScan, Pose3, SimTime};
@@ -19,17 +18,16 @@ use super::reckoning::Reckoned;
 use super::registration::{Scene, register};
 use super::scan_match::ScanMatch;
 use super::settings::Settings;
-use super::state::at;
+use super::trust::Trust;
 use super::undistortion::{end_of, undistort, usable_points};
 use super::unmeasured_turn::{UnmeasuredTurn, add_uncertainty};
 use super::velocity_update::limit_velocity;
-use super::watchdog::{Verdict, Watchdog};
-use crate::deviation::PoseDeviation;
+use super::watchdog::Verdict;
 
 /// A scan is registered at most this many times while the gyroscope is saturated.
 const MAX_PASSES: usize = 3;
 /// Directions along which a scan that is missing or rejected measures nothing.
-const ALL_DIRECTIONS: [Vector3<f64>; 3] = [
+pub(super) const ALL_DIRECTIONS: [Vector3<f64>; 3] = [
     Vector3::new(1.0, 0.0, 0.0),
     Vector3::new(0.0, 1.0, 0.0),
     Vector3::new(0.0, 0.0, 1.0),
@@ -39,37 +37,6 @@ const MAX_MAP_TILT_RAD: f64 = 0.02;
 /// The map reaches this far, metres. It is trimmed each time that the robot has come a quarter of
 /// it.
 const MAP_REACH_M: f64 = 150.0;
-
-/// Weight of a new scan in the mean innovation: one over the number of scans that it is taken over.
-const SCAN_WEIGHT: f64 = 1.0 / 30.0;
-/// A single scan's innovation counts as no more than this.
-const MAX_INNOVATION: f64 = 100.0;
-/// Mean innovation above which scans and IMU contradict each other.
-///
-/// In a dozen seconds of turns (`tests/lio.rs`) a LiDAR that is rotated by 0.1 rad about a level
-/// axis brings the mean to 22 and more, by 0.4 about the vertical one to 14. In eighteen drives
-/// with right sensors it stays below 2: windows of two towns, the built-in worlds, `avenue` of
-/// `benchmarks/odometry`, full turns, an IMU at its limits. Straight on nothing is noticed.
-const DISPUTED_INNOVATION: f64 = 6.0;
-
-/// How far off the pose may be after a time without the IMU.
-const LOST: PoseDeviation = PoseDeviation {
-    metres: 100.0,
-    radians: 1.0,
-};
-/// How fast the robot may be then, m/s.
-const LOST_M_S: f64 = 100.0;
-/// How far off a pose may be that wheels and gyroscope alone reckoned,
-const RECKONED: PoseDeviation = PoseDeviation {
-    metres: 0.05,
-    radians: 0.01,
-};
-/// and this share of the distance driven,
-const RECKONED_PER_METRE: f64 = 0.05;
-/// and this share of the angle turned.
-const RECKONED_PER_RADIAN: f64 = 0.05;
-/// The filter is not trusted for this time after a restart.
-const SETTLING: Duration = Duration::from_secs(3);
 
 /// The odometry between samples of the IMU and estimates.
 #[derive(Debug, Clone)]
@@ -82,16 +49,12 @@ pub(super) struct Pipeline {
     unmeasured_turn: UnmeasuredTurn,
     map: PlaneMap,
     matching: Matching,
-    drift: Drift,
+    pub(super) drift: Drift,
     /// Directions along which the last scan measured nothing.
     degenerate: Vec<Vector3<f64>>,
     /// Where the map was trimmed last.
     trimmed_at: Vector3<f64>,
-    /// Mean of [`ScanMatch::innovation`] over the last scans.
-    innovation: f64,
-    watchdog: Watchdog,
-    /// When the filter was restarted last, since it had diverged.
-    restarted: Option<SimTime>,
+    pub(super) trust: Trust,
 }
 
 /// What is known before a scan is processed.
@@ -150,9 +113,7 @@ impl Pipeline {
             drift: Drift::default(),
             degenerate: Vec::new(),
             trimmed_at: Vector3::zeros(),
-            innovation: 0.0,
-            watchdog: Watchdog::default(),
-            restarted: None,
+            trust: Trust::default(),
         }
     }
 
@@ -175,13 +136,9 @@ impl Pipeline {
         self.release_used_data(scan, &step, &registered);
         self.learn_noise(&registered);
         self.reject_contradiction(&step, &mut registered);
-        self.note_degenerate_directions(&step, &registered);
-        self.limit_unmeasured_velocity(&step, &mut registered.belief);
+        self.limit_unmeasured_velocity(&step, &mut registered);
         self.update_map(&step, &mut registered);
-        self.trim_map(&registered.belief);
-        self.average_innovation(&registered);
-        let verdict = self.judge(&step, &mut registered);
-        let status = self.status(&step, &registered, verdict);
+        let status = self.judge(&step, &mut registered);
         Some(self.finish(registered, status))
     }
 
@@ -222,7 +179,12 @@ impl Pipeline {
         let mut belief = step.before.clone();
         let prediction = self.predict(&mut belief, step.end);
         let predicted = belief.state.rotation;
-        let points = undistort(scan, &belief.state, &prediction.nodes, self.settings.blind);
+        let points = undistort(
+            scan,
+            &belief.state,
+            &prediction.nodes,
+            self.settings.min_range_m,
+        );
         let scene = Scene {
             points: &points,
             map: &self.map,
@@ -266,6 +228,16 @@ impl Pipeline {
         }
     }
 
+    /// Bounds the velocity along directions in which neither this scan nor wheels measure it.
+    fn limit_unmeasured_velocity(&mut self, step: &Step, registered: &mut Registered) {
+        self.note_degenerate_directions(step, registered);
+        let since = step.end.since(step.before.stamp);
+        let typical_speed = self.settings.typical_speed_m_s;
+        for direction in &self.degenerate {
+            limit_velocity(&mut registered.belief, direction, typical_speed, since);
+        }
+    }
+
     /// Notes along which directions the scan measured nothing. Where all directions are measured
     /// again, the map of meanwhile stays as uncertain as the position was.
     fn note_degenerate_directions(&mut self, step: &Step, registered: &Registered) {
@@ -274,13 +246,6 @@ impl Pipeline {
         let unknown = std::mem::replace(&mut self.degenerate, degenerate.to_vec());
         if accepted.is_some() && self.degenerate.is_empty() && !unknown.is_empty() {
             self.drift.keep(&step.before, &registered.belief, &unknown);
-        }
-    }
-
-    fn limit_unmeasured_velocity(&self, step: &Step, belief: &mut Belief) {
-        let since = step.end.since(step.before.stamp);
-        for direction in &self.degenerate {
-            limit_velocity(belief, direction, self.settings.typical_speed, since);
         }
     }
 
@@ -296,89 +261,64 @@ impl Pipeline {
             let new_share = self.matching.insert(&belief.state, &mut self.map);
             self.drift.grow(belief, new_share, &self.degenerate);
         }
+        self.trim_map(registered.belief.state.position);
     }
 
-    fn begin_map(&mut self) {
+    pub(super) fn begin_map(&mut self) {
         self.map = PlaneMap::new(self.settings.lidar_noise);
     }
 
     /// Drops what is far away, now and then.
-    fn trim_map(&mut self, belief: &Belief) {
-        let position = belief.state.position;
+    fn trim_map(&mut self, position: Vector3<f64>) {
         if (position - self.trimmed_at).amax() > MAP_REACH_M / 4.0 {
             self.map.forget(position, MAP_REACH_M);
             self.trimmed_at = position;
         }
     }
 
-    fn average_innovation(&mut self, registered: &Registered) {
+    /// How far the estimate can be trusted. A filter that has diverged is restarted.
+    fn judge(&mut self, step: &Step, registered: &mut Registered) -> Status {
         if let Some(matched) = registered.accepted() {
-            let innovation = matched.innovation.min(MAX_INNOVATION);
-            self.innovation += (innovation - self.innovation) * SCAN_WEIGHT;
+            self.trust.note_innovation(matched);
         }
+        let verdict = self.compare_with_reckoning(step, registered);
+        self.status(step, registered, verdict)
     }
 
-    /// Compares the trajectory with wheels and gyroscope. A filter that has diverged is restarted.
-    fn judge(&mut self, step: &Step, registered: &mut Registered) -> Verdict {
+    /// Compares the trajectory with wheels and gyroscope; without these, nothing contradicts it.
+    fn compare_with_reckoning(&mut self, step: &Step, registered: &mut Registered) -> Verdict {
         let Some(reckoned) = &step.reckoned else {
             return Verdict::Sound;
         };
         let is_supported = step.is_first || registered.accepted().is_some();
-        let belief = &mut registered.belief;
+        let imu = &self.settings.imu;
         let verdict = self
-            .watchdog
-            .judge(belief, reckoned, is_supported, &self.settings.imu);
+            .trust
+            .judge(&registered.belief, reckoned, is_supported, imu);
         if verdict == Verdict::Diverged
-            && let Some(restarted) = self.restart(reckoned)
+            && let Some(restarted) = self.trust.restart(reckoned, imu, &mut self.drift)
         {
-            *belief = restarted;
+            registered.belief = restarted;
+            // The old map may contain scans of the wrong trajectory.
+            self.begin_map();
+            self.refused.restarts += 1;
         }
         verdict
-    }
-
-    /// Restarts from the last state that agreed with everything, moved on by wheels and gyroscope.
-    /// The map is begun anew: the old one may hold scans of the wrong trajectory.
-    fn restart(&mut self, reckoned: &Reckoned) -> Option<Belief> {
-        let restart = self.watchdog.recover(&self.settings.imu)?;
-        let deviation = PoseDeviation {
-            metres: RECKONED.metres + RECKONED_PER_METRE * restart.metres,
-            radians: RECKONED.radians + RECKONED_PER_RADIAN * restart.radians,
-        };
-        let mut belief = restart.belief;
-        let robot = belief.state.rotation * self.settings.imu.rotation.inverse();
-        belief.state.velocity = robot * reckoned.velocity;
-        belief.add_deviation(at::ROTATION, RECKONED.radians);
-        // The same number, in m/s.
-        belief.add_deviation(at::VELOCITY, deviation.metres);
-        self.drift.lose(&mut belief, deviation);
-        self.begin_map();
-        self.watchdog.restart(&belief, &self.settings.imu);
-        self.innovation = 0.0;
-        self.restarted = Some(belief.stamp);
-        self.refused.runaways += 1;
-        Some(belief)
     }
 
     fn status(&self, step: &Step, registered: &Registered, verdict: Verdict) -> Status {
         let is_tracking =
             step.is_first || registered.accepted().is_some() && registered.is_complete();
+        // In the order of severity: only the worst is reported.
         if !is_tracking {
             Status::Coasting
-        } else if self.is_disputed(step, verdict) {
+        } else if self.trust.is_disputed(step.end, verdict) {
             Status::Disputed
         } else if self.matching.noise_scale.is_noisy() {
             Status::Noisy
         } else {
             Status::Tracking
         }
-    }
-
-    /// Whether the sensors contradict each other, or the filter has not settled after a restart.
-    fn is_disputed(&self, step: &Step, verdict: Verdict) -> bool {
-        let is_settling = self
-            .restarted
-            .is_some_and(|at| step.end.since(at) < SETTLING);
-        is_settling || verdict == Verdict::Contradicted || self.innovation > DISPUTED_INNOVATION
     }
 
     /// Adopts what became of a scan.
@@ -390,7 +330,7 @@ impl Pipeline {
 
     /// Begins the map with a scan from where the robot rests; `belief` is what is known then.
     pub(super) fn begin_map_with(&mut self, belief: &mut Belief, scan: &LidarScan) -> Estimate {
-        let points = usable_points(scan, self.settings.blind);
+        let points = usable_points(scan, self.settings.min_range_m);
         self.refused.points += scan.points.len() - points.len();
         belief.stamp = end_of(scan);
         let Belief {
@@ -403,40 +343,12 @@ impl Pipeline {
         self.estimate(belief, None, Status::Tracking)
     }
 
-    /// Goes on without a scan, by IMU and wheels.
-    pub(super) fn coast(&mut self, until: SimTime) -> Option<Estimate> {
-        let mut belief = self.belief.take()?;
-        let since = until.since(belief.stamp);
-        self.inertial
-            .predict(&mut belief, until, &self.settings, &Vector3::zeros());
-        for direction in &ALL_DIRECTIONS {
-            limit_velocity(&mut belief, direction, self.settings.typical_speed, since);
-        }
-        self.refused.gaps += self.inertial.forget(until);
-        let estimate = self.estimate(&belief, None, Status::Coasting);
-        self.belief = Some(belief);
-        Some(estimate)
-    }
-
-    /// Goes on from where the robot was, though it may be elsewhere by now: the IMU was silent.
-    pub(super) fn lose(&mut self, stamp: SimTime) -> Option<Estimate> {
-        let mut belief = self.belief.take()?;
-        belief.stamp = stamp;
-        belief.state.velocity = Vector3::zeros();
-        belief.add_deviation(at::ROTATION, LOST.radians);
-        belief.add_deviation(at::POSITION, LOST.metres);
-        belief.add_deviation(at::VELOCITY, LOST_M_S);
-        self.drift.lose(&mut belief, LOST);
-        self.begin_map();
-        self.inertial.clear();
-        self.watchdog.clear();
-        self.refused.gaps += 1;
-        let estimate = self.estimate(&belief, None, Status::Lost);
-        self.belief = Some(belief);
-        Some(estimate)
-    }
-
-    fn estimate(&self, belief: &Belief, matched: Option<ScanMatch>, status: Status) -> Estimate {
+    pub(super) fn estimate(
+        &self,
+        belief: &Belief,
+        matched: Option<ScanMatch>,
+        status: Status,
+    ) -> Estimate {
         let (points, fit) = matched
             .as_ref()
             .map_or((0, 0.0), |matched| (matched.points, matched.fit));

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector4};
 
 use super::degeneracy::{degenerate_directions, remove};
-use super::matching::{Cluster, Seen};
+use super::matching::{Cluster, PlaneObservation};
 use super::state::State;
 use crate::so3::hat;
 
@@ -41,24 +41,27 @@ pub(super) fn measure<const N: usize>(state: &State, clusters: &[Cluster]) -> Me
     let mut squares = 0.0;
     let mut feigned = Matrix3::zeros();
     for cluster in clusters {
-        let Some(seen) = &cluster.seen else { continue };
-        let residual = Residual::<N>::new(state, seen);
-        let sums = seen.weighed.matrix();
-        let weighed = residual.jacobian * sums;
+        let Some(plane) = &cluster.plane else {
+            continue;
+        };
+        let residual = Residual::<N>::new(state, plane);
+        let sums = plane.weighted.matrix();
+        let weighted = residual.jacobian * sums;
         // Woodbury: the points' covariance is that of their own noise and of three numbers more,
         // the errors of the plane.
-        let errors = seen.errors * sums;
-        let shared = errors * seen.errors.transpose() + Matrix3::from_diagonal(&seen.known);
+        let errors = plane.errors * sums;
+        let shared = errors * plane.errors.transpose() + Matrix3::from_diagonal(&plane.known);
         let Some(shared) = shared.try_inverse() else {
             continue;
         };
         let mixed = residual.jacobian * errors.transpose();
         let error_sums = errors * residual.distance;
-        information += weighed * residual.jacobian.transpose() - mixed * shared * mixed.transpose();
-        gradient += weighed * residual.distance - mixed * (shared * error_sums);
+        information +=
+            weighted * residual.jacobian.transpose() - mixed * shared * mixed.transpose();
+        gradient += weighted * residual.distance - mixed * (shared * error_sums);
         squares += residual.distance.dot(&(sums * residual.distance))
             - error_sums.dot(&(shared * error_sums));
-        feigned += feigned_information(seen);
+        feigned += feigned_information(plane);
         points += cluster.points.weight;
     }
     let position = information.fixed_view::<3, 3>(3, 3).into_owned();
@@ -81,10 +84,10 @@ pub(super) fn measure<const N: usize>(state: &State, clusters: &[Cluster]) -> Me
 
 /// Information about the position that a plane's points feign, since the plane's normal is tilted
 /// by chance.
-fn feigned_information(seen: &Seen) -> Matrix3<f64> {
-    let weight = seen.weighed.weight;
-    let lost = seen.shared / (1.0 + seen.shared * weight);
-    seen.normal_covariance * (weight * (1.0 - lost * weight))
+fn feigned_information(plane: &PlaneObservation) -> Matrix3<f64> {
+    let weight = plane.weighted.weight;
+    let lost = plane.shared / (1.0 + plane.shared * weight);
+    plane.normal_covariance * (weight * (1.0 - lost * weight))
 }
 
 /// Distance of a point from a plane, and how it changes with the state. Both are linear in the
@@ -96,11 +99,11 @@ struct Residual<const N: usize> {
 
 impl<const N: usize> Residual<N> {
     /// Equations 12 to 14.
-    fn new(state: &State, seen: &Seen) -> Self {
-        let on_imu = state.rotation.inverse() * seen.normal;
+    fn new(state: &State, plane: &PlaneObservation) -> Self {
+        let on_imu = state.rotation.inverse() * plane.normal;
         let on_lidar = state.mount_rotation.inverse() * on_imu;
         let lidar = state.rotation * state.mount_position + state.position;
-        let distance = on_lidar.push(seen.normal.dot(&lidar) - seen.offset);
+        let distance = on_lidar.push(plane.normal.dot(&lidar) - plane.offset);
         let mut jacobian = SMatrix::<f64, N, 4>::zeros();
         // p × n = -n × p.
         let mount = state.mount_rotation.to_rotation_matrix().into_inner();
@@ -110,7 +113,7 @@ impl<const N: usize> Residual<N> {
         jacobian.fixed_view_mut::<3, 1>(0, 3).copy_from(&lever);
         jacobian
             .fixed_view_mut::<3, 1>(3, 3)
-            .copy_from(&seen.normal);
+            .copy_from(&plane.normal);
         if N > 6 {
             jacobian.view_mut((6, 0), (3, 3)).copy_from(&-hat(on_lidar));
             jacobian.view_mut((9, 3), (3, 1)).copy_from(&on_imu);

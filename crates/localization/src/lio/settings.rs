@@ -31,7 +31,7 @@ pub struct Settings {
     pub lidar_noise: LidarNoise,
     /// Usual speed of the robot, m/s. It bounds the velocity along directions that neither scans
     /// nor wheels observe.
-    pub typical_speed: f64,
+    pub typical_speed_m_s: f64,
     /// Points nearer than this belong to the robot itself, metres.
-    pub blind: f64,
+    pub min_range_m: f64,
 }

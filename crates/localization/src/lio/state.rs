@@ -10,32 +10,32 @@ use nalgebra::{Isometry3, Matrix3, SMatrix, SVector, UnitQuaternion, Vector2, Ve
 use crate::so3::{exp, inverse_right_jacobian, log, tangent};
 
 /// Dimensions of an error.
-pub const SIZE: usize = 25;
+pub(crate) const SIZE: usize = 25;
 /// An error of a state: rotations as vectors, in the order of [`at`].
-pub type Error = SVector<f64, SIZE>;
+pub(crate) type Error = SVector<f64, SIZE>;
 /// Covariance of an error.
 pub type Covariance = SMatrix<f64, SIZE, SIZE>;
 
 /// Where in an error each part begins.
-pub mod at {
+pub(crate) mod at {
     /// Rotation of the IMU in its own frame, radians.
-    pub const ROTATION: usize = 0;
+    pub(crate) const ROTATION: usize = 0;
     /// Position of the IMU, metres.
-    pub const POSITION: usize = 3;
+    pub(crate) const POSITION: usize = 3;
     /// Velocity of the IMU, m/s.
-    pub const VELOCITY: usize = 6;
+    pub(crate) const VELOCITY: usize = 6;
     /// Bias of the gyroscope, rad/s.
-    pub const GYRO_BIAS: usize = 9;
+    pub(crate) const GYRO_BIAS: usize = 9;
     /// Bias of the accelerometer, m/s².
-    pub const ACCEL_BIAS: usize = 12;
+    pub(crate) const ACCEL_BIAS: usize = 12;
     /// Direction of gravity, radians: two components.
-    pub const GRAVITY: usize = 15;
+    pub(crate) const GRAVITY: usize = 15;
     /// Rotation of the LiDAR on the IMU, in the LiDAR's frame, radians.
-    pub const MOUNT_ROTATION: usize = 17;
+    pub(crate) const MOUNT_ROTATION: usize = 17;
     /// Position of the LiDAR on the IMU, metres.
-    pub const MOUNT_POSITION: usize = 20;
+    pub(crate) const MOUNT_POSITION: usize = 20;
     /// Tilt of the map about x and y of `odom`, radians: two components.
-    pub const MAP_TILT: usize = 23;
+    pub(crate) const MAP_TILT: usize = 23;
 }
 
 /// A state.
@@ -46,20 +46,20 @@ pub struct State {
     /// Position of the IMU in `odom`, metres.
     pub position: Vector3<f64>,
     /// Velocity of the IMU in `odom`, m/s.
-    pub velocity: Vector3<f64>,
+    pub(crate) velocity: Vector3<f64>,
     /// Bias of the gyroscope, rad/s.
-    pub gyro_bias: Vector3<f64>,
+    pub(crate) gyro_bias: Vector3<f64>,
     /// Bias of the accelerometer, m/s².
-    pub accel_bias: Vector3<f64>,
+    pub(crate) accel_bias: Vector3<f64>,
     /// Gravity in `odom`, m/s².
-    pub gravity: Vector3<f64>,
+    pub(crate) gravity: Vector3<f64>,
     /// Rotation from the LiDAR's frame to the IMU's.
-    pub mount_rotation: UnitQuaternion<f64>,
+    pub(crate) mount_rotation: UnitQuaternion<f64>,
     /// Position of the LiDAR in the IMU's frame, metres.
-    pub mount_position: Vector3<f64>,
+    pub(crate) mount_position: Vector3<f64>,
     /// Tilt of the map in view, turned about the IMU: a small rotation about x and y of `odom`. The
     /// map is seen as from exp(tilt) times `rotation`.
-    pub map_tilt: Vector2<f64>,
+    pub(crate) map_tilt: Vector2<f64>,
 }
 
 impl State {
@@ -81,7 +81,7 @@ impl State {
 
     /// This state, changed by an error: ⊞.
     #[must_use]
-    pub fn plus(&self, error: &Error) -> Self {
+    pub(crate) fn plus(&self, error: &Error) -> Self {
         let part = |first: usize| -> Vector3<f64> { error.fixed_rows::<3>(first).into_owned() };
         let tilt = tangent(self.gravity) * error.fixed_rows::<2>(at::GRAVITY);
         Self {
@@ -98,7 +98,7 @@ impl State {
     }
 
     /// The error that leads from `other` to this state: ⊟.
-    pub fn minus(&self, other: &Self) -> Error {
+    pub(crate) fn minus(&self, other: &Self) -> Error {
         let mut error = Error::zeros();
         let mut set =
             |first: usize, part: Vector3<f64>| error.fixed_rows_mut::<3>(first).copy_from(&part);
@@ -125,23 +125,23 @@ impl State {
     }
 
     /// Pose of the IMU in `odom`.
-    pub fn imu_pose(&self) -> Isometry3<f64> {
+    pub(crate) fn imu_pose(&self) -> Isometry3<f64> {
         Isometry3::from_parts(self.position.into(), self.rotation)
     }
 
     /// Pose of the LiDAR in the IMU's frame.
-    pub fn mount(&self) -> Isometry3<f64> {
+    pub(crate) fn mount(&self) -> Isometry3<f64> {
         Isometry3::from_parts(self.mount_position.into(), self.mount_rotation)
     }
 
     /// Pose of the LiDAR in `odom`.
-    pub fn lidar_pose(&self) -> Isometry3<f64> {
+    pub(crate) fn lidar_pose(&self) -> Isometry3<f64> {
         self.imu_pose() * self.mount()
     }
 
     /// The state relative to the map as that is tilted: what a scan observes.
     #[must_use]
-    pub fn in_map(&self) -> Self {
+    pub(crate) fn in_map(&self) -> Self {
         let tilt = exp(self.map_tilt.push(0.0));
         Self {
             rotation: tilt * self.rotation,
@@ -173,7 +173,7 @@ impl State {
     }
 
     /// Whether it contains neither NaN nor infinity.
-    pub fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         let vectors = [
             self.position,
             self.velocity,

@@ -22,13 +22,13 @@ pub(super) fn end_of(scan: &LidarScan) -> SimTime {
     scan.stamp + Duration::from_nanos(last.into())
 }
 
-/// The points of a scan that do not belong to the robot itself, as they were measured; `blind` is
-/// the distance up to which points do, metres.
-pub(super) fn usable_points(scan: &LidarScan, blind: f64) -> Vec<Vector3<f64>> {
+/// The points of a scan that do not belong to the robot itself, as they were measured;
+/// `min_range_m` is the distance up to which points do, metres.
+pub(super) fn usable_points(scan: &LidarScan, min_range_m: f64) -> Vec<Vector3<f64>> {
     scan.points
         .iter()
         .map(position)
-        .filter(|point| is_usable(point, blind))
+        .filter(|point| is_usable(point, min_range_m))
         .collect()
 }
 
@@ -38,7 +38,7 @@ pub(super) fn undistort(
     scan: &LidarScan,
     state: &State,
     nodes: &[Node],
-    blind: f64,
+    min_range_m: f64,
 ) -> Vec<Vector3<f64>> {
     let mut points = Vec::with_capacity(scan.points.len());
     let Some(first) = nodes.first() else {
@@ -51,7 +51,7 @@ pub(super) fn undistort(
     let mut index = 0;
     for point in &scan.points {
         let measured = position(point);
-        if !is_usable(&measured, blind) {
+        if !is_usable(&measured, min_range_m) {
             continue;
         }
         let stamp = (scan.stamp + Duration::from_nanos(point.offset_ns.into())).max(first.stamp);
@@ -79,6 +79,6 @@ fn position(point: &LidarPoint) -> Vector3<f64> {
     Vector3::from(point.xyz.map(f64::from))
 }
 
-fn is_usable(point: &Vector3<f64>, blind: f64) -> bool {
-    (blind..=MAX_RANGE_M).contains(&point.norm())
+fn is_usable(point: &Vector3<f64>, min_range_m: f64) -> bool {
+    (min_range_m..=MAX_RANGE_M).contains(&point.norm())
 }

@@ -51,12 +51,12 @@ pub(super) fn apply_speed(belief: &mut Belief, imu: &Pose3, gyro: Vector3<f64>, 
 /// Corrects a belief by the rule that a robot does not drive faster than it usually does.
 ///
 /// It applies along a direction in `odom` of which no other measurement was made for `unmeasured`;
-/// `typical_speed` is in m/s. Without this rule the velocity error that an accelerometer's bias
+/// `typical_speed_m_s` is in m/s. Without this rule the velocity error that an accelerometer's bias
 /// causes would grow without bound.
 pub(super) fn limit_velocity(
     belief: &mut Belief,
     direction: &Vector3<f64>,
-    typical_speed: f64,
+    typical_speed_m_s: f64,
     unmeasured: Duration,
 ) {
     let mut jacobian = SMatrix::<f64, 1, SIZE>::zeros();
@@ -66,7 +66,7 @@ pub(super) fn limit_velocity(
     let residual = SMatrix::<f64, 1, 1>::new(-direction.dot(&belief.state.velocity));
     // All updates of one correlation time together count as one measurement.
     let seconds = unmeasured.as_secs_f64().max(MIN_TIME_S);
-    let variance = typical_speed * typical_speed * CORRELATION_TIME_S / seconds;
+    let variance = typical_speed_m_s * typical_speed_m_s * CORRELATION_TIME_S / seconds;
     let noise = SMatrix::<f64, 1, 1>::new(variance);
     update(belief, &jacobian, &residual, &noise);
 }

@@ -117,8 +117,8 @@ fn settings() -> Settings {
             range: 0.01,
             angle: 0.001,
         },
-        typical_speed: 1.0,
-        blind: 0.3,
+        typical_speed_m_s: 1.0,
+        min_range_m: 0.3,
     }
 }
 

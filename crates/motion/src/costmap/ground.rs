@@ -16,7 +16,7 @@ const WIDEST_M: f64 = 60.0;
 
 /// The kind of ground of a cell by the map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Surface {
+pub(crate) enum Surface {
     /// The map says nothing.
     #[default]
     Unknown,
@@ -30,7 +30,7 @@ pub enum Surface {
 
 /// The obstacle in a cell by the map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Barred {
+pub(crate) enum MappedObstacle {
     /// None.
     #[default]
     No,
@@ -65,7 +65,7 @@ impl Preferences {
     pub const DEAREST: f32 = 20.0;
 
     /// Cost of driving over a surface.
-    pub fn of(&self, surface: Surface) -> f32 {
+    pub(crate) fn of(&self, surface: Surface) -> f32 {
         match surface {
             Surface::Unknown => self.unknown,
             Surface::Green => self.green,
@@ -95,24 +95,24 @@ impl Default for Preferences {
 
 /// What a map says about each cell of a grid.
 #[derive(Debug, Clone)]
-pub struct Ground {
+pub(crate) struct Ground {
     /// The obstacle in each cell.
-    pub barred: Vec<Barred>,
+    pub(crate) obstacles: Vec<MappedObstacle>,
     /// The kind of ground of each cell.
-    pub surface: Vec<Surface>,
+    pub(crate) surface: Vec<Surface>,
 }
 
 impl Ground {
     /// Ground of which the map says nothing.
-    pub fn unknown(cells: usize) -> Self {
+    pub(crate) fn unknown(cells: usize) -> Self {
         Self {
-            barred: vec![Barred::No; cells],
+            obstacles: vec![MappedObstacle::No; cells],
             surface: vec![Surface::Unknown; cells],
         }
     }
 
     /// The ground of a map over a grid.
-    pub fn of(map: &OsmMap, grid: &GridGeometry) -> Self {
+    pub(crate) fn of(map: &OsmMap, grid: &GridGeometry) -> Self {
         let mut drawing = Drawing {
             grid,
             ground: Self::unknown(grid.len()),
@@ -152,13 +152,14 @@ impl Drawing<'_> {
     fn pave(&mut self, road: &Road, surface: Surface) {
         let half = width(&road.tags) / 2.0;
         for pair in road.points.windows(2) {
-            let Some((from, to)) = self.cut(pair[0], pair[1], half) else {
+            let Some(stretch) = self.cut(Segment::new(pair[0], pair[1]), half) else {
                 continue;
             };
-            let pieces = (from.distance(to) / PIECE_M).ceil().max(1.0) as usize;
-            let at = |i: usize| between(from, to, i as f64 / pieces as f64);
+            let pieces = (stretch.length() / PIECE_M).ceil().max(1.0) as usize;
             for i in 0..pieces {
-                self.pave_piece(at(i), at(i + 1), half, surface);
+                let begin = stretch.at(i as f64 / pieces as f64);
+                let end = stretch.at((i + 1) as f64 / pieces as f64);
+                self.pave_piece(begin, end, half, surface);
             }
         }
     }
@@ -166,21 +167,11 @@ impl Drawing<'_> {
     fn pave_piece(&mut self, from: MapPoint, to: MapPoint, half: f64, surface: Surface) {
         let low = MapPoint::new(from.x.min(to.x) - half, from.y.min(to.y) - half);
         let high = MapPoint::new(from.x.max(to.x) + half, from.y.max(to.y) + half);
-        let Some((columns, rows)) = self.grid.window(low, high) else {
-            return;
-        };
-        for row in rows.0..=rows.1 {
-            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row))
-            {
-                let middle = self.grid.center(cell);
-                if Segment::new(from, to)
-                    .nearest_point(middle)
-                    .point
-                    .distance(middle)
-                    <= half
-                {
-                    self.ground.surface[cell] = surface;
-                }
+        let axis = Segment::new(from, to);
+        for cell in self.grid.cells_between(low, high) {
+            let middle = self.grid.center(cell);
+            if axis.nearest_point(middle).point.distance(middle) <= half {
+                self.ground.surface[cell] = surface;
             }
         }
     }
@@ -193,22 +184,22 @@ impl Drawing<'_> {
         // First of all: openings in kerbs would open walls too.
         self.barriers(&kerbs);
         if !kerbs.is_empty() {
-            self.crossings(map, Barred::Solid);
+            self.crossings(map, MappedObstacle::Solid);
         }
         let mut is_wet = false;
         for area in map.areas.iter().filter(|area| is_water(&area.tags)) {
             self.fill(&area.polygon, |ground, cell| {
-                ground.barred[cell] = Barred::Water
+                ground.obstacles[cell] = MappedObstacle::Water
             });
             is_wet = true;
         }
         if is_wet {
-            self.crossings(map, Barred::Water);
+            self.crossings(map, MappedObstacle::Water);
             self.decks(map);
         }
         for building in &map.buildings {
             self.fill(&building.polygon, |ground, cell| {
-                ground.barred[cell] = Barred::Solid
+                ground.obstacles[cell] = MappedObstacle::Solid
             });
         }
         self.barriers(&walls);
@@ -235,15 +226,19 @@ impl Drawing<'_> {
             );
             cuts.sort_by(f64::total_cmp);
             for pair in cuts.chunks_exact(2) {
-                let column = |x: f64| (x - self.grid.origin.x) / self.grid.cell - 0.5;
-                let first = column(pair[0]).ceil().max(0.0) as usize;
-                let end =
-                    (column(pair[1]).floor() + 1.0).clamp(0.0, self.grid.width as f64) as usize;
+                let first = self.columns_before(pair[0]).ceil().max(0.0) as usize;
+                let end = (self.columns_before(pair[1]).floor() + 1.0)
+                    .clamp(0.0, self.grid.width as f64) as usize;
                 for cell in first..end.max(first) {
                     set(&mut self.ground, row as usize * self.grid.width + cell);
                 }
             }
         }
+    }
+
+    /// How many columns have their middle west of `x`, with the share of the next one.
+    fn columns_before(&self, x: f64) -> f64 {
+        (x - self.grid.origin.x) / self.grid.cell - 0.5
     }
 
     fn barriers(&mut self, barriers: &[&Barrier]) {
@@ -252,99 +247,91 @@ impl Drawing<'_> {
                 self.line(pair[0], pair[1]);
             }
             for gate in &barrier.gates {
-                self.open(*gate, GATE_M, Barred::Solid);
+                self.open(*gate, GATE_M, MappedObstacle::Solid);
             }
         }
     }
 
     /// Opens obstacles where roads and paths cross them. A kerb is lowered there, whether or not
     /// the map says so, and over water there is a bridge; beside the water there is none.
-    fn crossings(&mut self, map: &OsmMap, over: Barred) {
+    fn crossings(&mut self, map: &OsmMap, over: MappedObstacle) {
         let mut places = Vec::new();
         for road in &map.roads {
             for pair in road.points.windows(2) {
-                let Some((from, to)) = self.cut(pair[0], pair[1], 0.0) else {
+                let Some(stretch) = self.cut(Segment::new(pair[0], pair[1]), 0.0) else {
                     continue;
                 };
-                let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().max(1.0) as usize;
-                let at = |i: usize| between(from, to, i as f64 / steps as f64);
-                let half = if over == Barred::Water {
+                let half = if over == MappedObstacle::Water {
                     width(&road.tags) / 2.0
                 } else {
                     GATE_M
                 };
-                let barred = (0..=steps)
-                    .map(at)
-                    .filter(|place| self.barred_at(*place) == over);
-                places.extend(barred.map(|place| (place, half.max(GATE_M))));
+                let blocked = self
+                    .points_along(stretch)
+                    .filter(|place| self.obstacle_at(*place) == over);
+                places.extend(blocked.map(|place| Opening {
+                    place,
+                    half_width: half.max(GATE_M),
+                }));
             }
         }
-        for (place, half) in places {
-            self.open(place, half, over);
+        for Opening { place, half_width } in places {
+            self.open(place, half_width, over);
         }
     }
 
     /// Paved areas over water lie on a bridge or pier.
     fn decks(&mut self, map: &OsmMap) {
-        let paved = |area: &&Area| {
-            let surface = surface_of_area(&area.tags);
-            matches!(surface, Some(Surface::Pavement | Surface::Road))
-                || says(&area.tags, "man_made", &["pier", "bridge"])
-        };
-        for area in map.areas.iter().filter(paved) {
+        for area in map.areas.iter().filter(|area| is_deck(area)) {
             self.fill(&area.polygon, |ground, cell| {
-                if ground.barred[cell] == Barred::Water {
-                    ground.barred[cell] = Barred::No;
+                if ground.obstacles[cell] == MappedObstacle::Water {
+                    ground.obstacles[cell] = MappedObstacle::No;
                 }
             });
         }
     }
 
-    fn barred_at(&self, place: MapPoint) -> Barred {
+    fn obstacle_at(&self, place: MapPoint) -> MappedObstacle {
         self.grid
             .cell_at(place)
-            .map_or(Barred::No, |cell| self.ground.barred[cell])
+            .map_or(MappedObstacle::No, |cell| self.ground.obstacles[cell])
     }
 
     /// Removes obstacles of a kind within `around` metres of a place: the LiDAR will see whether it
     /// is open.
-    fn open(&mut self, place: MapPoint, around: f64, what: Barred) {
+    fn open(&mut self, place: MapPoint, around: f64, what: MappedObstacle) {
         let low = MapPoint::new(place.x - around, place.y - around);
         let high = MapPoint::new(place.x + around, place.y + around);
-        let Some((columns, rows)) = self.grid.window(low, high) else {
-            return;
-        };
-        for row in rows.0..=rows.1 {
-            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row))
-            {
-                if self.ground.barred[cell] == what
-                    && self.grid.center(cell).distance(place) <= around
-                {
-                    self.ground.barred[cell] = Barred::No;
-                }
+        for cell in self.grid.cells_between(low, high) {
+            let is_near = self.grid.center(cell).distance(place) <= around;
+            if is_near && self.ground.obstacles[cell] == what {
+                self.ground.obstacles[cell] = MappedObstacle::No;
             }
         }
     }
 
     fn line(&mut self, from: MapPoint, to: MapPoint) {
-        let Some((from, to)) = self.cut(from, to, self.grid.cell) else {
+        let Some(stretch) = self.cut(Segment::new(from, to), self.grid.cell) else {
             return;
         };
-        let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().max(1.0) as usize;
-        for i in 0..=steps {
-            let cell = self
-                .grid
-                .cell_at(between(from, to, i as f64 / steps as f64));
+        for place in self.points_along(stretch) {
+            let cell = self.grid.cell_at(place);
             // A fence in the water does not remove the water.
-            if let Some(cell) = cell.filter(|cell| self.ground.barred[*cell] != Barred::Water) {
-                self.ground.barred[cell] = Barred::Solid;
+            if let Some(cell) =
+                cell.filter(|cell| self.ground.obstacles[*cell] != MappedObstacle::Water)
+            {
+                self.ground.obstacles[cell] = MappedObstacle::Solid;
             }
         }
     }
 
     /// The part of a segment that lies within `around` metres of the grid, if any (Liang and
     /// Barsky, *A New Concept and Method for Line Clipping*, 1984).
-    fn cut(&self, from: MapPoint, to: MapPoint, around: f64) -> Option<(MapPoint, MapPoint)> {
+    fn cut(&self, segment: Segment, around: f64) -> Option<Segment> {
+        let Segment {
+            start: from,
+            end: to,
+        } = segment;
         let (grid, low) = (self.grid, self.grid.origin);
         let high = MapPoint::new(
             low.x + grid.width as f64 * grid.cell + around,
@@ -369,13 +356,29 @@ impl Drawing<'_> {
                 _ => {}
             }
         }
-        (enter <= leave).then(|| (between(from, to, enter), between(from, to, leave)))
+        (enter <= leave).then(|| Segment::new(segment.at(enter), segment.at(leave)))
+    }
+
+    /// Points along a segment, both ends included, so close that no cell on it is missed by more
+    /// than a corner: two on each side of a cell.
+    fn points_along(&self, segment: Segment) -> impl Iterator<Item = MapPoint> + use<> {
+        let steps = (segment.length() / self.grid.cell * 2.0).ceil().max(1.0) as usize;
+        (0..=steps).map(move |i| segment.at(i as f64 / steps as f64))
     }
 }
 
-/// The point at a share of a segment.
-fn between(a: MapPoint, b: MapPoint, share: f64) -> MapPoint {
-    Segment::new(a, b).at(share)
+/// A place at which an obstacle is opened.
+struct Opening {
+    place: MapPoint,
+    /// Metres.
+    half_width: f64,
+}
+
+/// Whether an area, where it lies over water, is a bridge or pier.
+fn is_deck(area: &Area) -> bool {
+    let surface = surface_of_area(&area.tags);
+    matches!(surface, Some(Surface::Pavement | Surface::Road))
+        || says(&area.tags, "man_made", &["pier", "bridge"])
 }
 
 /// Whether a tag has one of some values.
@@ -514,7 +517,10 @@ mod tests {
 
     fn at(ground: &Ground, x: f64, y: f64) -> (bool, Surface) {
         let cell = grid().cell_at(MapPoint::new(x, y)).unwrap();
-        (ground.barred[cell] != Barred::No, ground.surface[cell])
+        (
+            ground.obstacles[cell] != MappedObstacle::No,
+            ground.surface[cell],
+        )
     }
 
     #[test]
@@ -567,13 +573,18 @@ mod tests {
             tags: Tags::default(),
         });
         let ground = Ground::of(&map, &grid());
-        let barred = |x: f64, y: f64| ground.barred[grid().cell_at(MapPoint::new(x, y)).unwrap()];
-        assert_eq!(barred(-5.0, 0.3), Barred::Water);
+        let obstacle =
+            |x: f64, y: f64| ground.obstacles[grid().cell_at(MapPoint::new(x, y)).unwrap()];
+        assert_eq!(obstacle(-5.0, 0.3), MappedObstacle::Water);
         assert_eq!(
-            (barred(5.0, 3.0), barred(5.9, 3.0), barred(6.2, 3.0)),
-            (Barred::No, Barred::No, Barred::Water)
+            (obstacle(5.0, 3.0), obstacle(5.9, 3.0), obstacle(6.2, 3.0)),
+            (
+                MappedObstacle::No,
+                MappedObstacle::No,
+                MappedObstacle::Water
+            )
         );
-        assert_eq!(barred(4.3, 3.0), Barred::Solid);
+        assert_eq!(obstacle(4.3, 3.0), MappedObstacle::Solid);
     }
 
     #[test]
@@ -597,12 +608,19 @@ mod tests {
         map.roads
             .push(road(&[(4.0, -12.0), (4.0, 12.0)], "residential"));
         let ground = Ground::of(&map, &grid());
-        let barred = |x: f64, y: f64| ground.barred[grid().cell_at(MapPoint::new(x, y)).unwrap()];
-        assert_eq!([1.2, 6.8].map(|x| barred(x, 0.0)), [Barred::No; 2]);
-        assert_eq!([0.8, 7.2].map(|x| barred(x, 0.0)), [Barred::Water; 2]);
+        let obstacle =
+            |x: f64, y: f64| ground.obstacles[grid().cell_at(MapPoint::new(x, y)).unwrap()];
         assert_eq!(
-            (barred(-6.0, 5.0), barred(-6.0, -5.0)),
-            (Barred::No, Barred::Water)
+            [1.2, 6.8].map(|x| obstacle(x, 0.0)),
+            [MappedObstacle::No; 2]
+        );
+        assert_eq!(
+            [0.8, 7.2].map(|x| obstacle(x, 0.0)),
+            [MappedObstacle::Water; 2]
+        );
+        assert_eq!(
+            (obstacle(-6.0, 5.0), obstacle(-6.0, -5.0)),
+            (MappedObstacle::No, MappedObstacle::Water)
         );
     }
 
@@ -638,7 +656,7 @@ mod tests {
             let (grid, ground) = (grid(), Ground::of(&map, &grid()));
             for cell in 0..grid.len() {
                 let is_inside = polygon.contains(grid.center(cell));
-                prop_assert_eq!(ground.barred[cell] == Barred::Solid, is_inside);
+                prop_assert_eq!(ground.obstacles[cell] == MappedObstacle::Solid, is_inside);
             }
         }
 
@@ -651,17 +669,16 @@ mod tests {
         ) {
             let grid = grid();
             let drawing = Drawing { grid: &grid, ground: Ground::unknown(0) };
-            let (a, b) = (MapPoint::new(ax, ay), MapPoint::new(bx, by));
+            let segment = Segment::new(MapPoint::new(ax, ay), MapPoint::new(bx, by));
             let inside = |p: MapPoint| p.x.abs() <= 10.0 + 1e-6 && p.y.abs() <= 10.0 + 1e-6;
-            let cut = drawing.cut(a, b, 0.0);
-            if let Some((from, to)) = cut {
-                prop_assert!(inside(from) && inside(to));
+            let cut = drawing.cut(segment, 0.0);
+            if let Some(part) = cut {
+                prop_assert!(inside(part.start) && inside(part.end));
             }
             for i in 0..=500 {
-                let p = between(a, b, f64::from(i) / 500.0);
+                let p = segment.at(f64::from(i) / 500.0);
                 if p.x.abs() < 10.0 && p.y.abs() < 10.0 {
-                    let (from, to) = cut.unwrap();
-                    prop_assert!(Segment::new(from, to).nearest_point(p).point.distance(p) < 1e-6);
+                    prop_assert!(cut.unwrap().nearest_point(p).point.distance(p) < 1e-6);
                 }
             }
         }

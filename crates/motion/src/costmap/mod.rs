@@ -4,32 +4,36 @@
 //! be wrong. Only of water they say nothing. Distances to obstacles are exact (Euclidean distance
 //! transform).
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
-//! | [`ground`] | the layer of the map: obstacles, and kinds of ground |
-//! | [`seen`] | the layer of the LiDAR: hits and free beams, forgotten after a minute |
-//! | [`walls`] | both layers as obstacles for a local planner |
-//! | [`overview`] | paths between places far apart, in coarser cells |
-//! | [`window`] | both layers around the robot, in finer cells that move along |
+//! | `ground` | the layer of the map: obstacles, and kinds of ground |
+//! | `seen` | the layer of the LiDAR: hits and free beams, forgotten after a minute |
+//! | `walls` | both layers as obstacles for a local planner |
+//! | `overview` | [`Overview`]: paths between places far apart, in coarser cells |
+//! | `rolling_window` | [`RollingWindow`]: both layers around the robot, in finer cells that move along |
 //! | [`map_server`] | files of ROS's map server |
 
-pub mod ground;
+mod ground;
 pub mod map_server;
-pub mod overview;
-pub mod seen;
-pub mod walls;
-pub mod window;
+mod overview;
+mod rolling_window;
+mod seen;
+mod walls;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription};
 use openbench_geometry::grid::{GridGeometry, squared_distances};
 use openbench_osm::OsmMap;
 
-use crate::costmap::ground::{Barred, Ground, Preferences, Surface};
+use crate::costmap::ground::{Ground, MappedObstacle, Surface};
 use crate::costmap::map_server::Occupancy;
 use crate::costmap::seen::Seen;
 use crate::obstacles::RangeRing;
 use crate::search::Costs;
 use crate::shape::{Footprint, ShapeError};
+
+pub use ground::Preferences;
+pub use overview::{ObstacleKind, Obstruction, Overview};
+pub use rolling_window::RollingWindow;
 
 /// Side of a cell, metres, unless the map is so large that cells must be larger.
 const CELL_M: f64 = 0.1;
@@ -153,12 +157,9 @@ impl Costmap {
     pub fn cover(&mut self, map: &OsmMap, middle: MapPoint, half: f64) {
         let before = self.grid;
         // By whole cells, so that cells keep their places.
-        let corner = |at: f64, origin: f64| {
-            origin + ((at - half - origin) / before.cell).round() * before.cell
-        };
         let origin = MapPoint::new(
-            corner(middle.x, before.origin.x),
-            corner(middle.y, before.origin.y),
+            nearest_border(middle.x - half, before.origin.x, before.cell),
+            nearest_border(middle.y - half, before.origin.y, before.cell),
         );
         let side = ((2.0 * half / before.cell).ceil() as usize).clamp(1, MOST_CELLS as usize + 1);
         self.grid = GridGeometry {
@@ -192,11 +193,11 @@ impl Costmap {
             return Err(CostmapError::Turned(occupancy.yaw));
         }
         let mut ground = Ground::unknown(occupancy.grid.len());
-        for (barred, value) in ground.barred.iter_mut().zip(&occupancy.cells) {
-            *barred = if *value >= Occupancy::LIKELY {
-                Barred::Solid
+        for (obstacle, value) in ground.obstacles.iter_mut().zip(&occupancy.cells) {
+            *obstacle = if *value >= Occupancy::LIKELY {
+                MappedObstacle::Solid
             } else {
-                Barred::No
+                MappedObstacle::No
             };
         }
         Ok(Self::over(
@@ -224,17 +225,23 @@ impl Costmap {
     /// The estimate of the ground as ROS's map server keeps it: occupied; free by LiDAR data or the
     /// map; or unknown.
     pub fn occupancy(&self) -> Occupancy {
-        let value = |cell: usize| match () {
-            () if self.is_obstacle(cell) => Occupancy::OCCUPIED,
-            () if self.seen.is_free(cell) || self.ground.surface[cell] != Surface::Unknown => {
-                Occupancy::FREE
-            }
-            () => Occupancy::UNKNOWN,
-        };
         Occupancy {
             grid: self.grid,
             yaw: 0.0,
-            cells: (0..self.grid.len()).map(value).collect(),
+            cells: (0..self.grid.len())
+                .map(|cell| self.occupancy_of(cell))
+                .collect(),
+        }
+    }
+
+    /// The value of a cell in an occupancy grid.
+    fn occupancy_of(&self, cell: usize) -> i8 {
+        if self.is_obstacle(cell) {
+            Occupancy::OCCUPIED
+        } else if self.seen.is_free(cell) || self.ground.surface[cell] != Surface::Unknown {
+            Occupancy::FREE
+        } else {
+            Occupancy::UNKNOWN
         }
     }
 
@@ -245,17 +252,19 @@ impl Costmap {
 
     /// The points of a scan where the ground was known to be free a moment ago, away from standing
     /// obstacles: moving bodies.
-    pub fn newcomers(&self, ring: &RangeRing) -> Vec<MapPoint> {
-        let is_new = |point: &MapPoint| {
-            self.grid
-                .cell_at(*point)
-                .is_some_and(|cell| self.is_new(cell))
-        };
+    pub fn new_points(&self, ring: &RangeRing) -> Vec<MapPoint> {
         ring.obstacles
             .iter()
             .map(|point| point.at)
-            .filter(is_new)
+            .filter(|point| self.is_new_at(*point))
             .collect()
+    }
+
+    /// Whether the ground at a point was free a moment ago.
+    fn is_new_at(&self, point: MapPoint) -> bool {
+        self.grid
+            .cell_at(point)
+            .is_some_and(|cell| self.is_new(cell))
     }
 
     /// Whether a cell was free a moment ago, and the cells around it were or are free.
@@ -268,11 +277,11 @@ impl Costmap {
 
     /// Takes in a scan. [`Costmap::inflate`] makes it count.
     pub fn observe(&mut self, ring: &RangeRing) {
-        self.observe_but(ring, |_| false);
+        self.observe_static(ring, |_| false);
     }
 
     /// The same without the points for which `moves` says that they belong to moving bodies.
-    pub fn observe_but(&mut self, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
+    pub fn observe_static(&mut self, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
         self.seen.observe(&self.grid, ring, moves);
     }
 
@@ -301,10 +310,10 @@ impl Costmap {
 
     /// Whether a cell holds an obstacle, by the newest evidence.
     pub fn is_obstacle(&self, cell: usize) -> bool {
-        match self.ground.barred[cell] {
-            Barred::Water => true,
-            Barred::Solid => self.seen.is_hit(cell) || !self.seen.is_free(cell),
-            Barred::No => self.seen.is_hit(cell),
+        match self.ground.obstacles[cell] {
+            MappedObstacle::Water => true,
+            MappedObstacle::Solid => self.seen.is_hit(cell) || !self.seen.is_free(cell),
+            MappedObstacle::No => self.seen.is_hit(cell),
         }
     }
 
@@ -363,13 +372,11 @@ impl Costmap {
 
     /// Distance from `point` to the nearest obstacle by the newest evidence, metres, if it is less
     /// than `reach`.
-    pub fn nearest_obstacle_within(&self, point: MapPoint, reach: f64) -> Option<f64> {
+    pub(crate) fn nearest_obstacle_within(&self, point: MapPoint, reach: f64) -> Option<f64> {
         let low = MapPoint::new(point.x - reach, point.y - reach);
         let high = MapPoint::new(point.x + reach, point.y + reach);
-        let (columns, rows) = self.grid.window(low, high)?;
-        let cells = (rows.0..=rows.1).flat_map(|r| (columns.0..=columns.1).map(move |c| (c, r)));
-        cells
-            .filter_map(|(c, r)| self.grid.cell_in(c, r))
+        self.grid
+            .cells_between(low, high)
             .filter(|&c| self.is_obstacle(c))
             .map(|c| self.grid.center(c).distance(point))
             .filter(|&d| d < reach)
@@ -389,16 +396,16 @@ impl Costmap {
         let (placed, reach) = (footprint.at(pose), footprint.circumscribed());
         let low = MapPoint::new(pose.x - reach, pose.y - reach);
         let high = MapPoint::new(pose.x + reach, pose.y + reach);
-        let Some((columns, rows)) = self.grid.window(low, high) else {
-            return Vec::new();
-        };
-        let cells = (rows.0..=rows.1)
-            .flat_map(|row| (columns.0..=columns.1).map(move |column| (column, row)));
-        cells
-            .filter_map(|(column, row)| self.grid.cell_in(column, row))
+        self.grid
+            .cells_between(low, high)
             .filter(|cell| self.is_obstacle(*cell) && placed.holds(self.grid.center(*cell)))
             .collect()
     }
+}
+
+/// The border between cells nearest to a coordinate, metres; one of the borders is at `origin`.
+fn nearest_border(at: f64, origin: f64, cell: f64) -> f64 {
+    origin + ((at - origin) / cell).round() * cell
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use openbench_geometry::grid::GridGeometry;
 use openbench_osm::OsmMap;
 
 use crate::astar::{PlanError, costs, plan};
-use crate::costmap::ground::{Barred, Ground, Preferences};
+use crate::costmap::ground::{Ground, MappedObstacle, Preferences};
 use crate::costmap::{Costmap, Room};
 use crate::search::Search;
 use crate::shape::ShapeError;
@@ -47,7 +47,7 @@ enum Known {
 /// A kind of obstacle between two places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Bar {
+pub enum ObstacleKind {
     /// Water of the map.
     Water,
     /// A building of the map.
@@ -58,7 +58,7 @@ pub enum Bar {
     Seen,
 }
 
-impl std::fmt::Display for Bar {
+impl std::fmt::Display for ObstacleKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Water => "water of the map",
@@ -73,7 +73,7 @@ impl std::fmt::Display for Bar {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Obstruction {
     /// Its kind.
-    pub bar: Bar,
+    pub kind: ObstacleKind,
     /// Where, in `map`.
     pub at: MapPoint,
 }
@@ -98,17 +98,18 @@ impl Overview {
     pub fn note(&mut self, near: &Costmap) {
         // Obstacles that were seen to be gone are forgotten first. Squares are larger than cells,
         // and an obstacle in one of a square's cells counts.
-        let is_gone = |square: &Square| {
+        self.known.retain(|square, known| {
             let cell = near.grid.cell_at(square.middle());
-            cell.is_some_and(|cell| near.seen.is_free(cell))
-        };
-        self.known
-            .retain(|square, known| *known == Known::Free || !is_gone(square));
+            let is_gone = cell.is_some_and(|cell| near.seen.is_free(cell));
+            *known == Known::Free || !is_gone
+        });
         for cell in 0..near.grid.len() {
             let square = Square::at(near.grid.center(cell));
-            match near.ground.barred[cell] {
-                Barred::No if near.seen.is_hit(cell) => drop(self.known.insert(square, Known::Hit)),
-                Barred::Solid if near.seen.is_free(cell) => {
+            match near.ground.obstacles[cell] {
+                MappedObstacle::No if near.seen.is_hit(cell) => {
+                    self.known.insert(square, Known::Hit);
+                }
+                MappedObstacle::Solid if near.seen.is_free(cell) => {
                     self.known.entry(square).or_insert(Known::Free);
                 }
                 _ => {}
@@ -129,7 +130,7 @@ impl Overview {
     }
 
     /// The path from one place to another, both included, over the ground around them.
-    pub fn way(
+    pub fn path(
         &self,
         map: &OsmMap,
         from: MapPoint,
@@ -150,22 +151,24 @@ impl Overview {
     }
 
     /// The first obstacle on the straight line between two places.
-    pub fn bar(&self, map: &OsmMap, from: MapPoint, to: MapPoint) -> Option<Obstruction> {
+    pub fn obstruction(&self, map: &OsmMap, from: MapPoint, to: MapPoint) -> Option<Obstruction> {
         let costmap = self.lay(map, from, &[to]);
         let steps = (from.distance(to) / costmap.grid.cell).ceil().max(1.0) as usize;
         (0..=steps).find_map(|i| {
             let t = i as f64 / steps as f64;
             let at = MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y));
-            let bar = match costmap.ground.barred[costmap.grid.cell_at(at)?] {
-                Barred::No => return None,
-                Barred::Water => Bar::Water,
-                Barred::Solid if self.known.get(&Square::at(at)) == Some(&Known::Hit) => Bar::Seen,
-                Barred::Solid if map.buildings.iter().any(|b| b.polygon.contains(at)) => {
-                    Bar::Building
+            let kind = match costmap.ground.obstacles[costmap.grid.cell_at(at)?] {
+                MappedObstacle::No => return None,
+                MappedObstacle::Water => ObstacleKind::Water,
+                MappedObstacle::Solid if self.known.get(&Square::at(at)) == Some(&Known::Hit) => {
+                    ObstacleKind::Seen
                 }
-                Barred::Solid => Bar::Barrier,
+                MappedObstacle::Solid if map.buildings.iter().any(|b| b.polygon.contains(at)) => {
+                    ObstacleKind::Building
+                }
+                MappedObstacle::Solid => ObstacleKind::Barrier,
             };
-            Some(Obstruction { bar, at })
+            Some(Obstruction { kind, at })
         })
     }
 
@@ -191,9 +194,13 @@ impl Overview {
             let Some(cell) = grid.cell_at(square.middle()) else {
                 continue;
             };
-            match (known, &mut ground.barred[cell]) {
-                (Known::Hit, barred) if *barred == Barred::No => *barred = Barred::Solid,
-                (Known::Free, barred) if *barred == Barred::Solid => *barred = Barred::No,
+            match (known, &mut ground.obstacles[cell]) {
+                (Known::Hit, obstacle) if *obstacle == MappedObstacle::No => {
+                    *obstacle = MappedObstacle::Solid
+                }
+                (Known::Free, obstacle) if *obstacle == MappedObstacle::Solid => {
+                    *obstacle = MappedObstacle::No
+                }
                 _ => {}
             }
         }
@@ -212,17 +219,18 @@ impl Square {
     /// The square of a place.
     fn at(place: MapPoint) -> Self {
         // In an agent's own frame places are at most kilometres from the origin.
-        let number = |at: f64| (at / SQUARE_M).floor() as i32;
         Self {
-            column: number(place.x),
-            row: number(place.y),
+            column: (place.x / SQUARE_M).floor() as i32,
+            row: (place.y / SQUARE_M).floor() as i32,
         }
     }
 
     /// Its middle.
     fn middle(self) -> MapPoint {
-        let at = |number: i32| (f64::from(number) + 0.5) * SQUARE_M;
-        MapPoint::new(at(self.column), at(self.row))
+        MapPoint::new(
+            (f64::from(self.column) + 0.5) * SQUARE_M,
+            (f64::from(self.row) + 0.5) * SQUARE_M,
+        )
     }
 }
 
@@ -251,7 +259,7 @@ mod tests {
         });
         let overview = Overview::new(&RobotDescription::sentry()).unwrap();
         let (from, to) = (MapPoint::new(0.0, 0.0), MapPoint::new(1000.0, 0.0));
-        let path = overview.way(&map, from, to).unwrap();
+        let path = overview.path(&map, from, to).unwrap();
         let end = MapPoint::new(400.0, 150.0);
         let shortest = from.distance(end) + end.distance(to);
         assert!(
@@ -260,10 +268,13 @@ mod tests {
             length(&path)
         );
         assert_eq!(
-            overview.bar(&map, from, to).map(|found| found.bar),
-            Some(Bar::Barrier)
+            overview.obstruction(&map, from, to).map(|found| found.kind),
+            Some(ObstacleKind::Barrier)
         );
-        assert_eq!(overview.bar(&map, from, MapPoint::new(100.0, 0.0)), None);
+        assert_eq!(
+            overview.obstruction(&map, from, MapPoint::new(100.0, 0.0)),
+            None
+        );
     }
 
     #[test]
@@ -272,15 +283,17 @@ mod tests {
         see_wall(&mut near, MapPoint::new(2.0, -9.0), MapPoint::new(2.0, 9.0));
         let mut overview = Overview::new(&RobotDescription::sentry()).unwrap();
         let (from, to) = (MapPoint::new(0.0, 0.0), MapPoint::new(4.0, 0.0));
-        let straight = length(&overview.way(&empty_map(), from, to).unwrap());
+        let straight = length(&overview.path(&empty_map(), from, to).unwrap());
         overview.note(&near);
-        let round = length(&overview.way(&empty_map(), from, to).unwrap());
+        let round = length(&overview.path(&empty_map(), from, to).unwrap());
         assert!(straight < 4.1 && round > 15.0, "{straight} {round}");
         assert_eq!(
-            overview.bar(&empty_map(), from, to).map(|found| found.bar),
-            Some(Bar::Seen)
+            overview
+                .obstruction(&empty_map(), from, to)
+                .map(|found| found.kind),
+            Some(ObstacleKind::Seen)
         );
         assert!(overview.forget() && !overview.forget());
-        assert!(length(&overview.way(&empty_map(), from, to).unwrap()) < 4.1);
+        assert!(length(&overview.path(&empty_map(), from, to).unwrap()) < 4.1);
     }
 }

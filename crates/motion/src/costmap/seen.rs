@@ -61,7 +61,7 @@ struct Line {
 
 /// Evidence for each cell of a grid.
 #[derive(Debug, Clone)]
-pub struct Seen {
+pub(crate) struct Seen {
     cells: Vec<Cell>,
     /// Number of the newest scan. Numbers are lowered before a cell cannot hold them.
     scans: u16,
@@ -69,7 +69,7 @@ pub struct Seen {
 
 impl Seen {
     /// Without any data.
-    pub fn nothing(cells: usize) -> Self {
+    pub(crate) fn nothing(cells: usize) -> Self {
         Self {
             cells: vec![Cell::default(); cells],
             scans: 0,
@@ -77,29 +77,29 @@ impl Seen {
     }
 
     /// Whether an obstacle was seen in a cell.
-    pub fn is_hit(&self, cell: usize) -> bool {
+    pub(crate) fn is_hit(&self, cell: usize) -> bool {
         self.cells[cell].evidence > 0
     }
 
     /// Whether beams passed a cell so often that it is free.
-    pub fn is_free(&self, cell: usize) -> bool {
+    pub(crate) fn is_free(&self, cell: usize) -> bool {
         self.cells[cell].evidence <= FREE
     }
 
     /// Whether a cell was free within the last two seconds.
-    pub fn was_free(&self, cell: usize) -> bool {
+    pub(crate) fn was_free(&self, cell: usize) -> bool {
         let free_in = self.cells[cell].free_in;
         free_in > 0 && self.scans - free_in < MOMENT_SCANS
     }
 
     /// Marks a cell as free.
-    pub fn clear(&mut self, cell: usize) {
+    pub(crate) fn clear(&mut self, cell: usize) {
         self.cells[cell].evidence = LEAST;
     }
 
     /// Takes in a scan, without the points for which `moves` says that they belong to moving
     /// bodies.
-    pub fn observe(
+    pub(crate) fn observe(
         &mut self,
         grid: &GridGeometry,
         ring: &RangeRing,
@@ -212,7 +212,7 @@ impl Seen {
 
     /// Forgets obstacles that were not seen for a minute: they may have moved, and the robot's
     /// estimated pose has drifted since.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         for cell in &mut self.cells {
             if cell.evidence > 0 && self.scans - cell.hit_in > MEMORY_SCANS {
                 cell.evidence = 0;
@@ -222,12 +222,9 @@ impl Seen {
 
     /// Carries the evidence from one grid over to another whose cells have the same size and
     /// places.
-    pub fn carry(&mut self, from: &GridGeometry, to: &GridGeometry) {
-        let cells = |a: f64, b: f64| ((a - b) / to.cell).round() as i64;
-        let (columns, rows) = (
-            cells(to.origin.x, from.origin.x),
-            cells(to.origin.y, from.origin.y),
-        );
+    pub(crate) fn carry(&mut self, from: &GridGeometry, to: &GridGeometry) {
+        let columns = ((to.origin.x - from.origin.x) / to.cell).round() as i64;
+        let rows = ((to.origin.y - from.origin.y) / to.cell).round() as i64;
         let old = std::mem::replace(&mut self.cells, vec![Cell::default(); to.len()]);
         for (cell, known) in self.cells.iter_mut().enumerate() {
             let (x, y) = to.column_row(cell);

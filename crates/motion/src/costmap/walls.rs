@@ -18,95 +18,158 @@ impl Costmap {
         let Some((columns, rows)) = self.grid().window(low, high) else {
             return Vec::new();
         };
-        let mut border = Border::of(self, columns, rows);
+        let window = Window {
+            first: Cell {
+                column: columns.0,
+                row: rows.0,
+            },
+            last: Cell {
+                column: columns.1,
+                row: rows.1,
+            },
+        };
+        let mut border = Border::of(self, window);
         let longest = (LONGEST_M / self.grid().cell) as i64;
         let mut walls = Vec::new();
-        for row in rows.0..=rows.1 {
-            for column in columns.0..=columns.1 {
-                if let Some(end) = border.take_run(column, row, longest) {
-                    walls.extend(self.wall((column, row), end));
-                }
+        for cell in window.cells() {
+            if let Some(end) = border.take_run(cell, longest) {
+                walls.extend(self.wall(cell, end));
             }
         }
         walls
     }
 
     /// Whether one of the four cells beside a cell is open.
-    fn is_rim(&self, column: i64, row: i64) -> bool {
-        let blocked = |dx: i64, dy: i64| {
-            self.grid()
-                .cell_in(column + dx, row + dy)
-                .is_some_and(|cell| self.is_obstacle(cell))
-        };
-        !(blocked(1, 0) && blocked(-1, 0) && blocked(0, 1) && blocked(0, -1))
+    fn is_rim(&self, cell: Cell) -> bool {
+        !(self.is_blocked(cell.moved(EAST, 1))
+            && self.is_blocked(cell.moved(WEST, 1))
+            && self.is_blocked(cell.moved(NORTH, 1))
+            && self.is_blocked(cell.moved(SOUTH, 1)))
+    }
+
+    /// Whether a cell of the grid holds an obstacle.
+    fn is_blocked(&self, Cell { column, row }: Cell) -> bool {
+        self.grid()
+            .cell_in(column, row)
+            .is_some_and(|cell| self.is_obstacle(cell))
     }
 
     /// The wall between the middles of two cells.
-    fn wall(&self, from: (i64, i64), to: (i64, i64)) -> Option<Obstacle> {
-        let center = |(column, row)| {
-            self.grid()
-                .cell_in(column, row)
-                .map(|cell| self.grid().center(cell))
-        };
-        let ends = [center(from)?, center(to)?];
+    fn wall(&self, from: Cell, to: Cell) -> Option<Obstacle> {
+        let ends = [self.middle_of(from)?, self.middle_of(to)?];
         let corners = if from == to { &ends[..1] } else { &ends[..] };
         Obstacle::new(corners, self.grid().cell / 2.0, Vector2::ZERO).ok()
+    }
+
+    fn middle_of(&self, Cell { column, row }: Cell) -> Option<MapPoint> {
+        let cell = self.grid().cell_in(column, row)?;
+        Some(self.grid().center(cell))
+    }
+}
+
+/// A cell of a grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cell {
+    column: i64,
+    row: i64,
+}
+
+/// Columns and rows to a neighbour of a cell.
+type Direction = [i64; 2];
+
+const EAST: Direction = [1, 0];
+const WEST: Direction = [-1, 0];
+const NORTH: Direction = [0, 1];
+const SOUTH: Direction = [0, -1];
+
+impl Cell {
+    /// The cell so many steps on in a direction.
+    fn moved(self, [columns, rows]: Direction, steps: i64) -> Self {
+        Self {
+            column: self.column + steps * columns,
+            row: self.row + steps * rows,
+        }
+    }
+}
+
+/// A rectangle of cells, both corners included.
+#[derive(Debug, Clone, Copy)]
+struct Window {
+    first: Cell,
+    last: Cell,
+}
+
+impl Window {
+    /// All cells, row by row.
+    fn cells(self) -> impl Iterator<Item = Cell> {
+        let Self { first, last } = self;
+        (first.row..=last.row).flat_map(move |row| {
+            (first.column..=last.column).map(move |column| Cell { column, row })
+        })
+    }
+
+    fn width(self) -> usize {
+        (self.last.column - self.first.column + 1) as usize
     }
 }
 
 /// Cells of a window at the borders of blocked areas.
 struct Border {
-    columns: (i64, i64),
-    rows: (i64, i64),
+    window: Window,
     is_border: Vec<bool>,
 }
 
 impl Border {
-    /// The border cells of a window, ranges inclusive.
-    fn of(costmap: &Costmap, columns: (i64, i64), rows: (i64, i64)) -> Self {
-        let mut is_border = Vec::new();
-        for row in rows.0..=rows.1 {
-            let first = row as usize * costmap.grid().width;
-            is_border.extend((columns.0..=columns.1).map(|column| {
-                // Most cells are open.
-                costmap.is_obstacle(first + column as usize) && costmap.is_rim(column, row)
-            }));
-        }
+    /// The border cells of a window that lies on the costmap.
+    fn of(costmap: &Costmap, window: Window) -> Self {
+        let width = costmap.grid().width;
+        let is_border = window.cells().map(|cell| {
+            let index = cell.row as usize * width + cell.column as usize;
+            // Most cells are open: their neighbours need not be looked at.
+            costmap.is_obstacle(index) && costmap.is_rim(cell)
+        });
         Self {
-            columns,
-            rows,
-            is_border,
+            window,
+            is_border: is_border.collect(),
         }
     }
 
     /// Takes the longer of the runs of border cells to the east and to the north of a cell,
-    /// `longest` cells at most; the column and row of its last cell, or `None` if the cell is no
-    /// border.
-    fn take_run(&mut self, column: i64, row: i64, longest: i64) -> Option<(i64, i64)> {
-        if !self.is_border[self.index(column, row)] {
+    /// `longest` cells at most; its last cell, or `None` if the cell is no border.
+    fn take_run(&mut self, cell: Cell, longest: i64) -> Option<Cell> {
+        if !self.is_border[self.index(cell)] {
             return None;
         }
-        let east = self.run(column, row, (1, 0), longest);
-        let north = self.run(column, row, (0, 1), longest);
-        let (dx, dy) = if east >= north { (east, 0) } else { (0, north) };
-        for k in 0..=dx.max(dy) {
-            let index = self.index(column + k * dx.signum(), row + k * dy.signum());
+        let east = self.run(cell, EAST, longest);
+        let north = self.run(cell, NORTH, longest);
+        let (direction, steps) = if east >= north {
+            (EAST, east)
+        } else {
+            (NORTH, north)
+        };
+        for k in 0..=steps {
+            let index = self.index(cell.moved(direction, k));
             self.is_border[index] = false;
         }
-        Some((column + dx, row + dy))
+        Some(cell.moved(direction, steps))
     }
 
     /// How many border cells follow a cell in a direction without a gap.
-    fn run(&self, column: i64, row: i64, (dx, dy): (i64, i64), longest: i64) -> i64 {
-        let is_border = |k: i64| {
-            let (x, y) = (column + k * dx, row + k * dy);
-            x <= self.columns.1 && y <= self.rows.1 && self.is_border[self.index(x, y)]
-        };
-        (1..longest).take_while(|&k| is_border(k)).count() as i64
+    fn run(&self, cell: Cell, direction: Direction, longest: i64) -> i64 {
+        (1..longest)
+            .take_while(|&k| self.is_border(cell.moved(direction, k)))
+            .count() as i64
     }
 
-    fn index(&self, column: i64, row: i64) -> usize {
-        let width = (self.columns.1 - self.columns.0 + 1) as usize;
-        (row - self.rows.0) as usize * width + (column - self.columns.0) as usize
+    /// Whether a cell to the east or north of one of the window is a border cell of the window.
+    fn is_border(&self, cell: Cell) -> bool {
+        let last = self.window.last;
+        cell.column <= last.column && cell.row <= last.row && self.is_border[self.index(cell)]
+    }
+
+    fn index(&self, cell: Cell) -> usize {
+        let first = self.window.first;
+        (cell.row - first.row) as usize * self.window.width()
+            + (cell.column - first.column) as usize
     }
 }

@@ -1,16 +1,16 @@
 //! Local planners: from a path and what stands around to a velocity.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
-//! | [`planner`] | [`LocalPlanner`], the trait, with what goes in and what comes out |
-//! | [`path`] | points of a path ahead of the robot |
-//! | [`registry`] | [`LocalPlanners`]: planners by name, to which others can be added |
+//! | `planner` | [`LocalPlanner`], the trait, with what goes in and what comes out |
+//! | `path` | points of a path ahead of the robot |
+//! | `registry` | [`LocalPlanners`]: planners by name, to which others can be added |
 //! | [`built_in`] | the planners of this crate, a line each |
 
 pub mod built_in;
-pub mod path;
-pub mod planner;
-pub mod registry;
+mod path;
+pub(crate) mod planner;
+mod registry;
 
 pub use path::{PathPoint, ahead};
 pub use planner::{Blocked, LocalPlanner, Progress, Situation};

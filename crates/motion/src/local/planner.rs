@@ -82,24 +82,29 @@ impl Situation<'_> {
 
 /// Whether there is a path and all numbers are possible: less than 1e8 metres, radians, m/s or
 /// rad/s.
-pub fn check(
+pub(crate) fn check(
     pose: Pose2,
     velocity: Velocity,
     path: &[MapPoint],
     final_yaw: Option<f64>,
 ) -> Result<(), Blocked> {
-    let finite = |p: &MapPoint| p.x.abs() < IMPOSSIBLE && p.y.abs() < IMPOSSIBLE;
-    if path.is_empty() || !path.iter().all(finite) || final_yaw.is_some_and(|y| !y.is_finite()) {
+    if path.is_empty() || !path.iter().all(is_possible) || final_yaw.is_some_and(|y| !y.is_finite())
+    {
         return Err(Blocked::NoPath);
     }
     let known = [pose.yaw, velocity.linear, velocity.angular]
         .iter()
         .all(|c| c.abs() < IMPOSSIBLE);
-    if known && finite(&pose.point()) {
+    if known && is_possible(&pose.point()) {
         Ok(())
     } else {
         Err(Blocked::NoPose)
     }
+}
+
+/// Whether a point may be one on the Earth; not with NaN.
+fn is_possible(point: &MapPoint) -> bool {
+    point.x.abs() < IMPOSSIBLE && point.y.abs() < IMPOSSIBLE
 }
 
 /// Turns a path into velocities, one call for each observation.
@@ -109,7 +114,7 @@ pub trait LocalPlanner {
 
     /// The share of a velocity from elsewhere, a recovery maneuver for example, that may be driven
     /// near people: all of it, unless the planner has its own rules for people.
-    fn among_people(&self, _situation: &Situation<'_>, velocity: Velocity) -> Velocity {
+    fn limit_near_people(&self, _situation: &Situation<'_>, velocity: Velocity) -> Velocity {
         velocity
     }
 

@@ -3,14 +3,14 @@
 
 use openbench_core::{Pose2, SimTime, Velocity};
 
-use super::yielding::Ways;
+use super::right_of_way::RightOfWay;
 use crate::feasible::clearance;
 use crate::kinematics::Motion;
 use crate::limits::Limits;
 use crate::local::{Blocked, Progress, Situation};
-use crate::shape::{Footprint, Obstacle};
-use crate::trajectory::Band;
-use crate::trajectory::band::COMMAND_S;
+use crate::shape::{Footprint, Obstacle, moving};
+use crate::trajectory::COMMAND_S;
+use crate::trajectory::Trajectory;
 
 /// Moving obstacles within this distance may not do as predicted, metres.
 const ALERT_M: f64 = 1.5;
@@ -29,49 +29,56 @@ const SETS_OUT_MPS: f64 = 0.01;
 
 /// How far people are trusted to go on as predicted.
 #[derive(Debug, Clone, Copy)]
-pub struct Caution<'a> {
+pub(crate) struct Caution<'a> {
     /// The robot's outline.
     pub footprint: &'a Footprint,
     /// What the robot can do.
     pub limits: &'a Limits,
     /// How much faster than predicted somebody may approach, m/s; people are trusted if `None`.
-    pub surprise: Option<f64>,
+    pub approach_margin_mps: Option<f64>,
     /// Seconds that a walking person needs to stop; the robot does not yield if `None`.
-    pub yields: Option<f64>,
+    pub stopping_time_s: Option<f64>,
 }
 
 impl Caution<'_> {
     /// A velocity, or the share of it with which the robot stands, wherever it drives, before
     /// somebody near touches it who approaches faster than predicted. `plan` is the band that the
     /// velocity is taken from.
-    pub fn slowed(
+    pub(crate) fn slowed(
         &self,
         situation: &Situation<'_>,
         wanted: Velocity,
-        plan: Option<&Band>,
+        plan: Option<&Trajectory>,
     ) -> Velocity {
-        let Some(surprise) = self.surprise else {
+        let Some(approach_margin_mps) = self.approach_margin_mps else {
             return wanted;
         };
-        let moving = situation.obstacles.iter().filter(|o| o.is_moving());
-        let limits =
-            moving.filter_map(|o| Some((o, self.fastest_near(o, situation.pose, surprise)?)));
-        // To stop before somebody whom the robot can still pass is to stand in their path.
-        let most = limits
-            .filter(|(o, _)| !self.passes(o, situation, wanted, plan))
-            .map(|(_, most)| most);
-        let most = most.fold(f64::INFINITY, f64::min);
+        let mut most = f64::INFINITY;
+        for somebody in moving(situation.obstacles) {
+            let fastest = self.fastest_near(somebody, situation.pose, approach_margin_mps);
+            // To stop before somebody whom the robot can still pass is to stand in their path.
+            if let Some(fastest) = fastest
+                && !self.passes(somebody, situation, wanted, plan)
+            {
+                most = most.min(fastest);
+            }
+        }
         let share = (most / self.rim_speed(wanted).max(1e-9)).min(1.0);
         Velocity::new(share * wanted.linear, share * wanted.angular)
     }
 
     /// The largest speed of a rim, m/s, with which the robot stands when somebody touches it who
     /// approaches faster than predicted; `None` if they are too far or go away.
-    fn fastest_near(&self, somebody: &Obstacle, pose: Pose2, surprise: f64) -> Option<f64> {
+    fn fastest_near(
+        &self,
+        somebody: &Obstacle,
+        pose: Pose2,
+        approach_margin_mps: f64,
+    ) -> Option<f64> {
         let (placed, circle) = (self.footprint.at(pose), self.footprint.circumscribed());
         let near = somebody.contact(&placed, circle, 0.0, ALERT_M)?;
         let velocity = somebody.velocity();
-        let towards = surprise - near.normal.x * velocity.x - near.normal.y * velocity.y;
+        let towards = approach_margin_mps - near.normal.x * velocity.x - near.normal.y * velocity.y;
         (towards > 0.0).then(|| stands_in_time(near.distance, towards, self.limits.acceleration))
     }
 
@@ -82,7 +89,7 @@ impl Caution<'_> {
         somebody: &Obstacle,
         situation: &Situation<'_>,
         command: Velocity,
-        plan: Option<&Band>,
+        plan: Option<&Trajectory>,
     ) -> bool {
         let mut motion = Motion {
             pose: situation.pose,
@@ -113,13 +120,13 @@ impl Caution<'_> {
     }
 
     /// Whether the robot cuts somebody off if it is commanded this.
-    pub fn cuts_off(
+    pub(crate) fn cuts_off(
         &self,
         situation: &Situation<'_>,
         command: Velocity,
-        plan: Option<&Band>,
+        plan: Option<&Trajectory>,
     ) -> bool {
-        let Some(seconds) = self.yields else {
+        let Some(seconds) = self.stopping_time_s else {
             return false;
         };
         let motion = Motion {
@@ -127,20 +134,19 @@ impl Caution<'_> {
             velocity: situation.velocity,
             command,
         };
-        let ways = Ways {
+        let right_of_way = RightOfWay {
             footprint: self.footprint,
             seconds,
         };
-        let mut moving = situation.obstacles.iter().filter(|o| o.is_moving());
-        moving.any(|o| {
-            ways.is_cut_off(o, motion, self.limits, COMMAND_S)
+        moving(situation.obstacles).any(|o| {
+            right_of_way.is_cut_off(o, motion, self.limits, COMMAND_S)
                 && !self.passes(o, situation, command, plan)
         })
     }
 
     /// Whether somebody is near enough not to do as predicted.
     fn is_anybody_near(&self, situation: &Situation<'_>) -> bool {
-        let moving = situation.obstacles.iter().filter(|o| o.is_moving());
+        let moving = moving(situation.obstacles);
         clearance(self.footprint, moving, situation.pose, 0.0, ALERT_M) < ALERT_M
     }
 
@@ -165,7 +171,7 @@ fn stands_in_time(distance: f64, towards: f64, acceleration: f64) -> f64 {
 
 /// Whether a robot that stands near people has had a free path for long enough to set out.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Hesitation {
+pub(crate) struct Hesitation {
     /// Since when there has been a free path.
     free_since: Option<SimTime>,
 }
@@ -174,17 +180,17 @@ impl Hesitation {
     /// What was decided, unless the robot almost stands near people and has hardly had a free path
     /// yet. One estimate may be wrong, and a robot that sets out a little and stops again stands in
     /// the way.
-    pub fn hold(
+    pub(crate) fn hold(
         &mut self,
         caution: &Caution<'_>,
         situation: &Situation<'_>,
         decided: Result<Progress, Blocked>,
     ) -> Result<Progress, Blocked> {
-        if caution.surprise.is_none() {
+        if caution.approach_margin_mps.is_none() {
             return decided;
         }
-        let told = decided.ok().and_then(|decided| decided.velocity());
-        let sets_out = told.is_some_and(|velocity| caution.rim_speed(velocity) > SETS_OUT_MPS);
+        let commanded = decided.ok().and_then(|decided| decided.velocity());
+        let sets_out = commanded.is_some_and(|velocity| caution.rim_speed(velocity) > SETS_OUT_MPS);
         self.free_since = sets_out.then(|| self.free_since.unwrap_or(situation.time));
         let almost_stands = caution.rim_speed(situation.velocity) < ALMOST_STANDS_MPS;
         let settled = self.is_settled(situation.time);
@@ -200,7 +206,7 @@ impl Hesitation {
     }
 
     /// Forgets that there was a free path.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.free_since = None;
     }
 }

@@ -15,11 +15,15 @@ const MOST_POINTS: usize = 2000;
 /// One point of each small cell: clusters stay connected, and many points of one body cost no more
 /// than few.
 pub(super) fn thinned(points: &[MapPoint]) -> Vec<MapPoint> {
-    let cell = |p: &MapPoint| ((p.y / THIN_M).floor() as i64, (p.x / THIN_M).floor() as i64);
     let mut kept = points.to_vec();
-    kept.sort_by_key(cell);
-    kept.dedup_by_key(|p| cell(p));
+    kept.sort_by_key(cell_of);
+    kept.dedup_by_key(|point| cell_of(point));
     kept
+}
+
+/// Row and column of the small cell that holds a point.
+fn cell_of(point: &MapPoint) -> [i64; 2] {
+    [point.y, point.x].map(|at| (at / THIN_M).floor() as i64)
 }
 
 /// Sets of points each of which is near another of its set; none if there are too many points.
@@ -69,6 +73,18 @@ pub(super) fn mean(points: &[MapPoint]) -> Vector2 {
     points.iter().fold(Vector2::ZERO, |m, p| {
         Vector2::new(m.x + p.x / n, m.y + p.y / n)
     })
+}
+
+/// The points within a distance of a place, metres.
+pub(super) fn points_within(
+    points: &[MapPoint],
+    place: Vector2,
+    distance: f64,
+) -> impl Iterator<Item = MapPoint> {
+    let near = points
+        .iter()
+        .filter(move |p| apart(Vector2::to(**p), place) < distance);
+    near.copied()
 }
 
 /// How far two places are apart, metres, or how much two velocities differ, m/s.

@@ -4,7 +4,7 @@
 
 use openbench_core::{MapPoint, SimTime};
 
-use super::cluster::{apart, mean};
+use super::cluster::{apart, mean, points_within};
 use crate::shape::Obstacle;
 use crate::vector::Vector2;
 
@@ -143,6 +143,11 @@ impl Track {
         self.last = time;
     }
 
+    /// Distance from a point to its side, metres; negative inside.
+    pub(super) fn distance_to(&self, point: MapPoint) -> f64 {
+        apart(self.place, Vector2::to(point)) - self.radius
+    }
+
     /// Whether it surely moves.
     pub(super) fn is_confirmed(&self) -> bool {
         self.sightings >= CONFIRMED_SIGHTINGS
@@ -171,16 +176,18 @@ impl Body {
     pub(super) fn of(low: &[MapPoint], trunk: &[MapPoint], sensor: MapPoint) -> Self {
         let legs = mean(low);
         // A wall beside somebody is not of the trunk.
-        let is_above = |p: &&MapPoint| apart(Vector2::to(**p), legs) < LEAN_M;
-        let trunk: Vec<MapPoint> = trunk.iter().filter(is_above).copied().collect();
+        let trunk: Vec<MapPoint> = points_within(trunk, legs, LEAN_M).collect();
         let (seen, deviation) = if trunk.len() < TRUNK {
             (legs, LEGS_DEVIATION_M)
         } else {
             (mean(&trunk), TRUNK_DEVIATION_M)
         };
         let away = apart(seen, Vector2::to(sensor)).max(1e-6);
-        let behind = |seen: f64, sensor: f64| seen + HALF_DEPTH_M * (seen - sensor) / away;
-        let middle = Vector2::new(behind(seen.x, sensor.x), behind(seen.y, sensor.y));
+        // The LiDAR sees the front of somebody; the middle is behind it.
+        let middle = Vector2::new(
+            seen.x + HALF_DEPTH_M * (seen.x - sensor.x) / away,
+            seen.y + HALF_DEPTH_M * (seen.y - sensor.y) / away,
+        );
         let widest = low
             .iter()
             .map(|p| apart(Vector2::to(*p), middle))

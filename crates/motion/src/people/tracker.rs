@@ -9,7 +9,7 @@
 
 use openbench_core::{MapPoint, SimTime};
 
-use super::cluster::{TOGETHER_M, apart, clusters, mean, thinned, width};
+use super::cluster::{TOGETHER_M, apart, clusters, mean, points_within, thinned, width};
 use super::track::{Body, LEAN_M, PERSON_M, STRIDES_M, TRUNK, Track, WIDEST_M};
 use crate::shape::Obstacle;
 use crate::vector::Vector2;
@@ -31,7 +31,7 @@ const ONE_MPS: f64 = 0.7;
 
 /// What a scan shows that was not there before.
 #[derive(Debug, Clone, Copy)]
-pub struct Newcomers<'a> {
+pub struct NewPoints<'a> {
     /// Where the sensor was, in `map`.
     pub sensor: MapPoint,
     /// Points as high as the robot, where the ground was free a moment ago, in `map`.
@@ -49,7 +49,7 @@ pub struct Tracker {
 
 impl Tracker {
     /// Takes in what a scan shows; `time` is the middle of the scan.
-    pub fn update(&mut self, time: SimTime, seen: &Newcomers<'_>) {
+    pub fn update(&mut self, time: SimTime, seen: &NewPoints<'_>) {
         if time <= self.now && !self.tracks.is_empty() {
             return;
         }
@@ -86,7 +86,7 @@ impl Tracker {
     }
 
     /// Shows each body what is seen of it; points of no body are returned.
-    fn follow(&mut self, walking: &[Vec<MapPoint>], seen: &Newcomers<'_>) -> Vec<MapPoint> {
+    fn follow(&mut self, walking: &[Vec<MapPoint>], seen: &NewPoints<'_>) -> Vec<MapPoint> {
         let mut low = vec![Vec::new(); self.tracks.len()];
         let mut trunks = vec![Vec::new(); self.tracks.len()];
         let mut rest = Vec::new();
@@ -127,21 +127,21 @@ impl Tracker {
 
     /// Whether the points of a cluster that are near no body have a trunk above them.
     fn is_somebody_else(&self, cluster: &[MapPoint], above: &[MapPoint]) -> bool {
-        let is_far = |p: &&MapPoint| self.nearest(**p).is_none();
-        let far: Vec<MapPoint> = cluster.iter().filter(is_far).copied().collect();
-        let middle = mean(&far);
-        let is_above = |p: &&MapPoint| apart(Vector2::to(**p), middle) < LEAN_M;
-        far.len() >= FEWEST && above.iter().filter(is_above).filter(is_far).count() >= TRUNK
+        let is_of_nobody = |p: &MapPoint| self.nearest(*p).is_none();
+        let far: Vec<MapPoint> = cluster.iter().copied().filter(is_of_nobody).collect();
+        let trunk = points_within(above, mean(&far), LEAN_M).filter(is_of_nobody);
+        far.len() >= FEWEST && trunk.count() >= TRUNK
     }
 
     /// The body that a point may belong to.
     fn nearest(&self, point: MapPoint) -> Option<usize> {
-        let off = |i: usize| {
-            let track = &self.tracks[i];
-            apart(track.place, Vector2::to(point)) - track.radius
-        };
-        let near = (0..self.tracks.len()).filter(|&i| off(i) < GATE_M - PERSON_M);
-        near.min_by(|&a, &b| off(a).total_cmp(&off(b)))
+        let distances = self.tracks.iter().map(|track| track.distance_to(point));
+        // The gate is measured from the middle of a person; wide bodies have a wide gate.
+        let near = distances
+            .enumerate()
+            .filter(|(_, distance)| *distance < GATE_M - PERSON_M);
+        let nearest = near.min_by(|(_, a), (_, b)| a.total_cmp(b));
+        nearest.map(|(number, _)| number)
     }
 
     /// Begins a track for each body that was not known.
@@ -216,7 +216,7 @@ mod tests {
     fn update(tracker: &mut Tracker, scan: u32, low: &[MapPoint], above: &[MapPoint]) {
         tracker.update(
             time(scan),
-            &Newcomers {
+            &NewPoints {
                 sensor: MapPoint::default(),
                 low,
                 above,

@@ -6,7 +6,7 @@ use crate::feasible::clearance;
 use crate::kinematics::Motion;
 use crate::limits::Limits;
 use crate::local::Situation;
-use crate::shape::{Footprint, Obstacle};
+use crate::shape::{Footprint, Obstacle, moving, standing};
 
 /// Seconds that a command is driven before the robot brakes.
 const HOLD_S: f64 = 1.5;
@@ -23,7 +23,7 @@ const GAIN: f64 = 0.01;
 
 /// The velocity that keeps longest, and then furthest, off moving obstacles, without touching
 /// standing ones; `None` if standing still does as well as any.
-pub fn evade(
+pub(crate) fn evade(
     footprint: &Footprint,
     limits: &Limits,
     situation: &Situation<'_>,
@@ -63,13 +63,10 @@ fn worth(
         velocity: situation.velocity,
         command,
     };
-    let standing = || situation.obstacles.iter().filter(|o| !o.is_moving());
-    let moving = || situation.obstacles.iter().filter(|o| o.is_moving());
-    let start = clearance(footprint, standing(), motion.pose, 0.0, REACH_M);
-    let (somebody, drives) = (
-        clearance(footprint, moving(), motion.pose, 0.0, REACH_M),
-        command != Velocity::ZERO,
-    );
+    let obstacles = situation.obstacles;
+    let start = clearance(footprint, standing(obstacles), motion.pose, 0.0, REACH_M);
+    let somebody = clearance(footprint, moving(obstacles), motion.pose, 0.0, REACH_M);
+    let drives = command != Velocity::ZERO;
     let mut least = REACH_M;
     for i in 1..=(HORIZON_S / STEP_S) as usize {
         let time = i as f64 * STEP_S;
@@ -79,12 +76,12 @@ fn worth(
         motion.step(limits, STEP_S);
         let stands = motion.velocity == situation.velocity && motion.velocity == Velocity::ZERO;
         if !stands
-            && clearance(footprint, standing(), motion.pose, 0.0, REACH_M)
+            && clearance(footprint, standing(obstacles), motion.pose, 0.0, REACH_M)
                 < (0.5 * start).min(FREE_M)
         {
             return None;
         }
-        let near = clearance(footprint, moving(), motion.pose, time, REACH_M);
+        let near = clearance(footprint, moving(obstacles), motion.pose, time, REACH_M);
         if drives && !motion.stands() && near < somebody.min(0.0) {
             return None;
         }

@@ -31,7 +31,7 @@ pub enum Step {
     /// The robot began to turn on the spot.
     Turn,
     /// The robot began a maneuver of its whole footprint, forward at first.
-    Wind,
+    Maneuver,
 }
 
 /// A step that was taken, and why.
@@ -47,7 +47,7 @@ pub struct Recovery {
 
 /// What a blocked robot is to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rung {
+pub(crate) enum Rung {
     /// Stand and see whether it goes on.
     Wait,
     /// Search the path anew.
@@ -67,7 +67,7 @@ struct Blockage {
 
 /// How far the robot has climbed, and the steps that it took.
 #[derive(Debug, Clone, Default)]
-pub struct Ladder {
+pub(crate) struct Ladder {
     blockage: Option<Blockage>,
     /// Steps tried since the last progress.
     attempts: u32,
@@ -78,7 +78,7 @@ pub struct Ladder {
 
 impl Ladder {
     /// Begins at the bottom, for another goal. Steps that were not taken out yet are kept.
-    pub fn reset(&mut self) {
+    pub(crate) fn reset(&mut self) {
         *self = Self {
             recoveries: std::mem::take(&mut self.recoveries),
             ..Self::default()
@@ -86,22 +86,22 @@ impl Ladder {
     }
 
     /// The robot made progress: the next time it is blocked, all steps are tried again.
-    pub fn made_progress(&mut self) {
+    pub(crate) fn made_progress(&mut self) {
         self.attempts = 0;
     }
 
     /// The robot is not blocked, or no longer.
-    pub fn unblock(&mut self) {
+    pub(crate) fn unblock(&mut self) {
         self.blockage = None;
     }
 
     /// What blocks the robot.
-    pub fn cause(&self) -> Option<Blocked> {
+    pub(crate) fn cause(&self) -> Option<Blocked> {
         self.blockage.map(|blockage| blockage.cause)
     }
 
     /// The robot is slower than it could be.
-    pub fn slow(&mut self, time: SimTime, cause: Blocked) {
+    pub(crate) fn slow(&mut self, time: SimTime, cause: Blocked) {
         let last = self.slowed.replace(time);
         if last.is_none_or(|last| time.since(last) > SLOWED) {
             self.record(time, Step::Slow, cause);
@@ -110,7 +110,7 @@ impl Ladder {
 
     /// The robot is blocked: the next step, once the last one was given time. A moving obstacle
     /// near the robot may go away, so with one no goal is given up.
-    pub fn climb(&mut self, time: SimTime, cause: Blocked, is_anybody_near: bool) -> Rung {
+    pub(crate) fn climb(&mut self, time: SimTime, cause: Blocked, is_anybody_near: bool) -> Rung {
         if self.blockage.is_none() {
             self.record(time, Step::Stop, cause);
         }
@@ -135,19 +135,19 @@ impl Ladder {
     }
 
     /// Whether nothing is left to try.
-    pub fn is_at_top(&self) -> bool {
+    pub(crate) fn is_at_top(&self) -> bool {
         self.attempts >= ATTEMPTS
     }
 
     /// Keeps a step that was taken.
-    pub fn record(&mut self, time: SimTime, step: Step, cause: Blocked) {
+    pub(crate) fn record(&mut self, time: SimTime, step: Step, cause: Blocked) {
         if self.recoveries.len() < MOST_RECOVERIES {
             self.recoveries.push(Recovery { time, step, cause });
         }
     }
 
     /// The steps since this was last called, a thousand at most.
-    pub fn take(&mut self) -> Vec<Recovery> {
+    pub(crate) fn take(&mut self) -> Vec<Recovery> {
         std::mem::take(&mut self.recoveries)
     }
 }

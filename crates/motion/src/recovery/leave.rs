@@ -7,8 +7,8 @@ use crate::feasible::{Floors, clearance};
 use crate::kinematics::Motion;
 use crate::limits::Limits;
 use crate::local::Situation;
-use crate::shape::{Footprint, Obstacle};
-use crate::trajectory::{Band, Knot};
+use crate::shape::{Footprint, Obstacle, standing};
+use crate::trajectory::{TimedPose, Trajectory};
 
 /// Distance from obstacles beyond which more is no gain, metres.
 const ENOUGH_M: f64 = 0.03;
@@ -55,38 +55,41 @@ const TURNS_RADPS: [f64; 11] = [
 
 /// The motion that gains most distance from standing obstacles, from how the robot moves now until
 /// it stands again; `None` if none gains any.
-pub fn leave(footprint: &Footprint, limits: &Limits, situation: &Situation<'_>) -> Option<Band> {
+pub(crate) fn leave(
+    footprint: &Footprint,
+    limits: &Limits,
+    situation: &Situation<'_>,
+) -> Option<Trajectory> {
     let (placed, circle) = (footprint.at(situation.pose), footprint.circumscribed());
-    let matters =
-        |o: &&Obstacle| !o.is_moving() && o.contact(&placed, circle, 0.0, AWAY_M).is_some();
-    let near: Vec<&Obstacle> = situation.obstacles.iter().filter(matters).collect();
+    let near =
+        standing(situation.obstacles).filter(|o| o.contact(&placed, circle, 0.0, AWAY_M).is_some());
     let search = Search {
         footprint,
         limits,
-        near,
+        near: near.collect(),
     };
     let start_room = search.room(situation.pose) + GAIN_M;
     let mut best = Best {
         room: start_room,
-        motion: None,
+        attempt: None,
     };
     for linear in SPEEDS_MPS.map(|v| v.clamp(-limits.backward, limits.forward)) {
         for angular in TURNS_RADPS.map(|w| w.clamp(-limits.turn, limits.turn)) {
             for phases in PHASES {
                 let start = motion(situation, Velocity::new(linear, angular));
-                search.offer(&mut best, start, phases);
+                search.offer(&mut best, Attempt { start, phases });
             }
         }
     }
-    let (start, phases) = best.motion?;
-    let mut knots = vec![Knot {
-        pose: start.pose,
+    let attempt = best.attempt?;
+    let mut poses = vec![TimedPose {
+        pose: attempt.start.pose,
         time: 0.0,
     }];
-    search.is_free(start, phases, &mut |time, pose| {
-        knots.push(Knot { pose, time })
+    search.is_free(attempt, &mut |time, pose| {
+        poses.push(TimedPose { pose, time })
     });
-    Band::new(knots)
+    Trajectory::new(poses)
 }
 
 /// The robot's motion with a command.
@@ -107,11 +110,19 @@ struct Phases {
     straight: f64,
 }
 
+/// A motion that is tried.
+#[derive(Debug, Clone, Copy)]
+struct Attempt {
+    /// The robot's motion at its beginning, with the command of the first phase.
+    start: Motion,
+    phases: Phases,
+}
+
 /// The best motion so far.
 struct Best {
     /// Distance to the nearest obstacle at its end, metres.
     room: f64,
-    motion: Option<(Motion, Phases)>,
+    attempt: Option<Attempt>,
 }
 
 /// A search for one motion.
@@ -127,13 +138,14 @@ impl Search<'_> {
     }
 
     /// Replaces the best motion by one that gains more.
-    fn offer(&self, best: &mut Best, start: Motion, phases: Phases) {
-        let mut end = start.pose;
-        let is_free = self.is_free(start, phases, &mut |_, pose| end = pose);
+    fn offer(&self, best: &mut Best, attempt: Attempt) {
+        let mut end = attempt.start.pose;
+        let is_free = self.is_free(attempt, &mut |_, pose| end = pose);
+        // Rounding must not decide between motions that gain the same: the first one is kept.
         if is_free && self.room(end) > best.room + 1e-9 {
             *best = Best {
                 room: self.room(end),
-                motion: Some((start, phases)),
+                attempt: Some(attempt),
             };
         }
     }
@@ -145,12 +157,9 @@ impl Search<'_> {
 
     /// Whether a motion keeps off all obstacles; `look` is shown the times (seconds) and poses
     /// along it.
-    fn is_free(
-        &self,
-        mut motion: Motion,
-        Phases { turning, straight }: Phases,
-        look: &mut dyn FnMut(f64, Pose2),
-    ) -> bool {
+    fn is_free(&self, attempt: Attempt, look: &mut dyn FnMut(f64, Pose2)) -> bool {
+        let Phases { turning, straight } = attempt.phases;
+        let mut motion = attempt.start;
         let mut floors = Floors::new(self.footprint, self.near(), motion.pose, KEEP_M);
         let mut time = 0.0;
         while time < turning + straight || !motion.stands() {
@@ -196,7 +205,7 @@ mod tests {
             };
             if !band
                 .as_ref()
-                .is_some_and(|band: &Band| band.duration() > 0.03)
+                .is_some_and(|band: &Trajectory| band.duration() > 0.03)
             {
                 band = leave(&footprint, &limits, &situation);
             }

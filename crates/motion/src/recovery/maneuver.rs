@@ -14,8 +14,8 @@ use openbench_geometry::grid::{Frontier, GridGeometry};
 
 use crate::limits::Limits;
 use crate::near_cells::each_cell_near;
-use crate::shape::{Footprint, Obstacle};
-use crate::trajectory::{Band, Knot};
+use crate::shape::{Footprint, Obstacle, standing};
+use crate::trajectory::{TimedPose, Trajectory};
 
 /// Headings that are distinguished.
 const HEADINGS: usize = 48;
@@ -44,13 +44,14 @@ const NOWHERE: u32 = u32::MAX;
 
 /// Why there is no maneuver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NoManeuver {
     /// The footprint does not fit at the goal.
     #[error("the footprint does not fit at the goal")]
     GoalBlocked,
     /// No reachable place is left to search.
     #[error("no path leads there for the footprint")]
-    NoWay,
+    NoPath,
     /// The goal is too far, or too many places were searched.
     #[error("the goal is too far for a maneuver, or none was found among {MOST_PLACES} places")]
     TooFar,
@@ -93,7 +94,7 @@ pub fn maneuver(
     start: Pose2,
     goal: MapPoint,
     yaw: Option<f64>,
-) -> Result<Band, NoManeuver> {
+) -> Result<Trajectory, NoManeuver> {
     let low = MapPoint::new(
         start.x.min(goal.x) - AROUND_M,
         start.y.min(goal.y) - AROUND_M,
@@ -113,10 +114,9 @@ pub fn maneuver(
     if grid.cell > STEP_M * std::f64::consts::FRAC_1_SQRT_2 {
         return Err(NoManeuver::TooFar);
     }
-    let standing: Vec<&Obstacle> = obstacles.iter().filter(|o| !o.is_moving()).collect();
     let mut search = Search {
         footprint,
-        obstacles: standing,
+        obstacles: standing(obstacles).collect(),
         limits,
         grid,
         start,
@@ -130,7 +130,7 @@ pub fn maneuver(
     search.keep = KEEP_M.min(if here > 0.0 { 0.7 * here } else { here - 1e-4 });
     search.look_back(goal)?;
     let end = search.forward(goal, yaw)?;
-    search.band(end, goal, yaw).ok_or(NoManeuver::NoWay)
+    search.band(end, goal, yaw).ok_or(NoManeuver::NoPath)
 }
 
 impl Search<'_> {
@@ -256,7 +256,7 @@ impl Search<'_> {
                 self.open(number, step, wanted, &closed, &mut queue);
             }
         }
-        Err(NoManeuver::NoWay)
+        Err(NoManeuver::NoPath)
     }
 
     /// Opens the place to which a step leads, if the robot can drive there.
@@ -323,7 +323,7 @@ impl Search<'_> {
     }
 
     /// The band through the places that lead to `end`, and on to the goal.
-    fn band(&self, end: u32, goal: MapPoint, yaw: Option<f64>) -> Option<Band> {
+    fn band(&self, end: u32, goal: MapPoint, yaw: Option<f64>) -> Option<Trajectory> {
         let mut chain = Vec::new();
         let mut at = end;
         while at != NOWHERE {
@@ -331,23 +331,23 @@ impl Search<'_> {
             at = self.places[at as usize].from;
         }
         chain.reverse();
-        let mut knots: Vec<Knot> = Vec::with_capacity(chain.len() + 1);
+        let mut poses: Vec<TimedPose> = Vec::with_capacity(chain.len() + 1);
         for place in chain {
-            let before = knots.last().map_or(self.start.yaw, |k| k.pose.yaw);
+            let before = poses.last().map_or(self.start.yaw, |k| k.pose.yaw);
             let heading = before + wrap_angle(self.heading(place.heading) - before);
-            knots.push(Knot {
+            poses.push(TimedPose {
                 pose: Pose2::new(place.at.x, place.at.y, heading),
                 time: place.seconds,
             });
         }
-        let last = knots[knots.len() - 1];
+        let last = poses[poses.len() - 1];
         let yaw = last.pose.yaw + yaw.map_or(0.0, |yaw| wrap_angle(yaw - last.pose.yaw));
         let pose = Pose2::new(goal.x, goal.y, yaw);
-        knots.push(Knot {
+        poses.push(TimedPose {
             pose,
             time: last.time + 0.2,
         });
-        Band::new(knots)
+        Trajectory::new(poses)
     }
 }
 

@@ -49,7 +49,7 @@ impl Standstill {
 
 /// Monitors the robot's progress.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct ProgressMonitor {
+pub(crate) struct ProgressMonitor {
     /// Where and when the robot last made progress.
     anchor: Option<Anchor>,
     /// For how long since then a moving obstacle has been near.
@@ -63,7 +63,7 @@ pub struct ProgressMonitor {
 
 impl ProgressMonitor {
     /// Updates the monitor; returns whether the robot has made progress.
-    pub fn note(&mut self, now: &Surroundings<'_>) -> bool {
+    pub(crate) fn note(&mut self, now: &Surroundings<'_>) -> bool {
         let here = now.pose.point();
         let has_progressed = self
             .anchor
@@ -93,14 +93,14 @@ impl ProgressMonitor {
     }
 
     /// The robot is commanded this.
-    pub fn command(&mut self, velocity: Velocity) {
+    pub(crate) fn command(&mut self, velocity: Velocity) {
         let is_still = velocity.linear.abs() < STILL_MPS && velocity.angular.abs() < STILL_RADPS;
         self.is_driven = !is_still;
     }
 
     /// Whether the robot has almost stood while it was commanded to drive. Near moving obstacles it
     /// may well wait.
-    pub fn is_creeping(&self, now: &Surroundings<'_>) -> bool {
+    pub(crate) fn is_creeping(&self, now: &Surroundings<'_>) -> bool {
         let still = self
             .standstill
             .is_some_and(|standstill| standstill.driven >= CREEPING);
@@ -108,7 +108,7 @@ impl ProgressMonitor {
     }
 
     /// Whether the robot has made no progress for so long that its goal is to be given up.
-    pub fn is_stagnant(&self, now: SimTime) -> bool {
+    pub(crate) fn is_stagnant(&self, now: SimTime) -> bool {
         let Some(anchor) = self.anchor else {
             return false;
         };
@@ -117,7 +117,7 @@ impl ProgressMonitor {
     }
 
     /// Measures from `pose` on whether the robot moves at all.
-    pub fn restart(&mut self, pose: Pose2) {
+    pub(crate) fn restart(&mut self, pose: Pose2) {
         self.standstill = Some(Standstill {
             pose,
             driven: Duration::ZERO,
@@ -125,7 +125,7 @@ impl ProgressMonitor {
     }
 
     /// Leaves out a time in which the robot could not make progress.
-    pub fn resume(&mut self, stood: Duration) {
+    pub(crate) fn resume(&mut self, stood: Duration) {
         if let Some(anchor) = &mut self.anchor {
             anchor.time = anchor.time + stood;
         }

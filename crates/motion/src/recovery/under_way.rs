@@ -3,12 +3,12 @@
 use openbench_core::{SimTime, Velocity};
 
 use super::ladder::Step;
-use crate::feasible::{conflict_before_stop, first_conflict};
+use crate::feasible::ConflictCheck;
 use crate::kinematics::Motion;
 use crate::limits::Limits;
 use crate::shape::Footprint;
 use crate::surroundings::Surroundings;
-use crate::trajectory::Band;
+use crate::trajectory::Trajectory;
 
 /// Distance from obstacles that a maneuver keeps to be driven on, metres.
 const SURE_M: f64 = 0.001;
@@ -21,48 +21,48 @@ const NO_SPEED_MPS: f64 = 1e-3;
 
 /// A maneuver, as far as it is still to be driven.
 #[derive(Debug, Clone)]
-pub struct UnderWay {
-    band: Band,
+pub(crate) struct UnderWay {
+    band: Trajectory,
     /// When it was last updated.
     seen: SimTime,
 }
 
 impl UnderWay {
     /// Sets out on a maneuver.
-    pub fn new(band: Band, now: SimTime) -> Self {
+    pub(crate) fn new(band: Trajectory, now: SimTime) -> Self {
         Self { band, seen: now }
     }
 
     /// What it begins with.
-    pub fn first_step(&self) -> Step {
+    pub(crate) fn first_step(&self) -> Step {
         match self.band.velocity(0).linear {
             v if v < -NO_SPEED_MPS => Step::Back,
             v if v < NO_SPEED_MPS => Step::Turn,
-            _ => Step::Wind,
+            _ => Step::Maneuver,
         }
     }
 
     /// Drops what has been driven by now.
-    pub fn keep_up(&mut self, now: &Surroundings<'_>) {
+    pub(crate) fn keep_up(&mut self, now: &Surroundings<'_>) {
         self.band
             .keep_up(now.pose, now.time.since(self.seen).as_secs_f64());
         self.seen = now.time;
     }
 
     /// The velocity that leads along it.
-    pub fn command(&self, limits: &Limits) -> Velocity {
+    pub(crate) fn command(&self, limits: &Limits) -> Velocity {
         self.band.command(limits)
     }
 
     /// Whether it is driven. Its last steps lead to the very place of the goal, which a robot just
     /// beside it may not reach.
-    pub fn is_over(&self) -> bool {
+    pub(crate) fn is_over(&self) -> bool {
         self.band.duration() < 3.0 * HOLD_S
     }
 
     /// Whether an obstacle blocks it by now, or the robot that drives with `command` could not stop
     /// before an obstacle.
-    pub fn is_blocked(
+    pub(crate) fn is_blocked(
         &self,
         footprint: &Footprint,
         limits: &Limits,
@@ -74,9 +74,14 @@ impl UnderWay {
             velocity: now.velocity,
             command,
         };
-        let cannot_stop =
-            conflict_before_stop(footprint, now.obstacles, motion, limits, HOLD_S, SURE_M);
-        let conflict = first_conflict(footprint, limits, now.obstacles, &self.band, SURE_M);
-        cannot_stop.is_some() || conflict.is_some_and(|at| at < SOON_S)
+        let check = ConflictCheck {
+            footprint,
+            limits,
+            obstacles: now.obstacles,
+            margin: SURE_M,
+        };
+        let conflict = check.first_conflict(&self.band);
+        check.conflict_before_stop(motion, HOLD_S).is_some()
+            || conflict.is_some_and(|at| at < SOON_S)
     }
 }

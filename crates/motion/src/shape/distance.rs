@@ -44,12 +44,17 @@ pub(super) fn edges(corners: &[Vector2]) -> impl Iterator<Item = Edge> {
 /// Whether an outline whose corners all turn left does so more than once around, as a five-pointed
 /// star does.
 pub(super) fn winds_twice(corners: &[Vector2]) -> bool {
-    let corner = |i: usize| corners[i % corners.len()];
-    let turn = |i: usize| {
-        let (along, next) = (corner(i + 1) - corner(i), corner(i + 2) - corner(i + 1));
-        libm::atan2(along.cross(next).abs(), along.dot(next))
-    };
-    corners.len() > 4 && (0..corners.len()).map(turn).sum::<f64>() > 3.0 * std::f64::consts::PI
+    let turns = (0..corners.len()).map(|i| turn_after(corners, i));
+    // Once around is 2 π, twice 4 π: halfway between, rounding does not matter. With fewer than
+    // five corners no outline goes around twice.
+    corners.len() > 4 && turns.sum::<f64>() > 3.0 * std::f64::consts::PI
+}
+
+/// By how much an outline turns at the end of the edge from corner `i`, radians.
+fn turn_after(corners: &[Vector2], i: usize) -> f64 {
+    let [a, b, c] = [0, 1, 2].map(|k| corners[(i + k) % corners.len()]);
+    let (along, next) = (b - a, c - b);
+    libm::atan2(along.cross(next).abs(), along.dot(next))
 }
 
 /// Nearest or deepest points of a footprint and another outline.

@@ -1,7 +1,7 @@
 //! Why corners make no shape.
 
 /// Most corners of a footprint.
-pub const MOST_CORNERS: usize = 16;
+pub(crate) const MOST_CORNERS: usize = 16;
 
 /// Corners make no shape.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -23,8 +23,7 @@ impl Footprint {
         if !(3..=MOST_CORNERS).contains(&corners.len()) {
             return Err(ShapeError::Corners(corners.len()));
         }
-        let usable = |c: f64| c.is_finite() && c.abs() < LARGEST;
-        if !corners.iter().all(|c| usable(c.x) && usable(c.y)) {
+        if !corners.iter().all(|c| c.is_within(LARGEST)) {
             return Err(ShapeError::NotFinite);
         }
         let mut inscribed = f64::INFINITY;
@@ -72,7 +71,7 @@ impl Footprint {
     }
 
     /// The footprint of a robot at `pose`.
-    pub fn at(&self, pose: Pose2) -> Placed {
+    pub(crate) fn at(&self, pose: Pose2) -> Placed {
         let (sin, cos) = libm::sincos(pose.yaw);
         let mut placed = Placed {
             origin: Vector2::new(pose.x, pose.y),
@@ -89,7 +88,7 @@ impl Footprint {
 
 /// A footprint somewhere in `map`.
 #[derive(Debug, Clone, Copy)]
-pub struct Placed {
+pub(crate) struct Placed {
     pub(super) origin: Vector2,
     corners: [Vector2; MOST_CORNERS],
     count: usize,
@@ -97,12 +96,12 @@ pub struct Placed {
 
 impl Placed {
     /// From its origin to another's, metres in `map`.
-    pub fn to(&self, other: &Self) -> Vector2 {
+    pub(crate) fn to(&self, other: &Self) -> Vector2 {
         other.origin - self.origin
     }
 
     /// Whether a point is in it.
-    pub fn holds(&self, point: MapPoint) -> bool {
+    pub(crate) fn holds(&self, point: MapPoint) -> bool {
         let point = Vector2::to(point);
         edges(self.corners()).all(|edge| edge.along().cross(point - edge.from) >= 0.0)
     }

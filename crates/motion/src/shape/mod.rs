@@ -5,18 +5,20 @@
 //! distance between separate shapes; for overlapping shapes minus the shortest displacement along
 //! an edge's normal that separates them (separating axes).
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
-//! | [`footprint`] | [`Footprint`]: the robot's outline, and where it is |
-//! | [`obstacle`] | [`Obstacle`]: something convex that stands or moves |
+//! | `footprint` | [`Footprint`]: the robot's outline, and where it is |
+//! | `obstacle` | [`Obstacle`]: something convex that stands or moves |
 //! | `distance` | distance and contact of two convex outlines |
-//! | [`error`] | [`ShapeError`]: corners that make no shape |
+//! | `error` | [`ShapeError`]: corners that make no shape |
 
 mod distance;
-pub mod error;
-pub mod footprint;
-pub mod obstacle;
+mod error;
+mod footprint;
+mod obstacle;
 
 pub use error::ShapeError;
-pub use footprint::{Footprint, Placed};
-pub use obstacle::{Contact, Obstacle};
+pub use footprint::Footprint;
+pub(crate) use footprint::Placed;
+pub use obstacle::Obstacle;
+pub(crate) use obstacle::{moving, standing};

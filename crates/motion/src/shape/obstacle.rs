@@ -38,26 +38,21 @@ pub struct Obstacle {
 
 /// How near a footprint is to an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub(crate) struct Contact {
     /// Distance, metres; negative inside.
-    pub distance: f64,
+    pub(crate) distance: f64,
     /// Derivative of the distance by the robot's x, y (per metre) and yaw (per radian).
-    pub gradient: [f64; 3],
+    pub(crate) gradient: [f64; 3],
     /// Unit vector from the footprint to the obstacle, in `map`.
-    pub normal: Vector2,
+    pub(crate) normal: Vector2,
 }
 
 impl Obstacle {
     /// Anything convex: corners in `map` counter-clockwise, rounded by `rounding` metres, moving
     /// with `velocity` m/s in `map`.
     pub fn new(corners: &[MapPoint], rounding: f64, velocity: Vector2) -> Result<Self, ShapeError> {
-        let usable = |v: Vector2| {
-            [v.x, v.y]
-                .iter()
-                .all(|c| c.is_finite() && c.abs() < LARGEST)
-        };
         let corners: Vec<Vector2> = corners.iter().map(|c| Vector2::to(*c)).collect();
-        let numbers = corners.iter().copied().chain([velocity]).all(usable);
+        let numbers = corners.iter().all(|c| c.is_within(LARGEST)) && velocity.is_within(LARGEST);
         if corners.is_empty() || !numbers || !(0.0..LARGEST_ROUNDING).contains(&rounding) {
             return Err(ShapeError::NotFinite);
         }
@@ -153,7 +148,7 @@ impl Obstacle {
     /// How near a footprint is to the obstacle as it will be after `seconds`, if that may be less
     /// than `reach` metres. `circumscribed` is the footprint's, metres.
     #[inline]
-    pub fn contact(
+    pub(crate) fn contact(
         &self,
         foot: &Placed,
         circumscribed: f64,
@@ -179,6 +174,16 @@ impl Obstacle {
             normal: n,
         })
     }
+}
+
+/// The obstacles that stand.
+pub(crate) fn standing(obstacles: &[Obstacle]) -> impl Iterator<Item = &Obstacle> {
+    obstacles.iter().filter(|obstacle| !obstacle.is_moving())
+}
+
+/// The obstacles that move.
+pub(crate) fn moving(obstacles: &[Obstacle]) -> impl Iterator<Item = &Obstacle> {
+    obstacles.iter().filter(|obstacle| obstacle.is_moving())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Bands that compete, one of each homotopy class.
 
 use crate::teb::classes::{Clusters, Passing, Signature};
-use crate::trajectory::Band;
+use crate::trajectory::Trajectory;
 
 /// Cost by which a band with a conflict is worse than any without.
 const CONFLICT: f64 = 1e6;
@@ -14,7 +14,7 @@ const DEAREST_MORE: f64 = 5.0;
 #[derive(Debug, Clone)]
 pub struct Candidate {
     /// The band.
-    pub band: Band,
+    pub band: Trajectory,
     /// Its class.
     pub signature: Signature,
     /// Its cost after optimization.
@@ -23,12 +23,12 @@ pub struct Candidate {
     pub conflict: Option<f64>,
     /// Whether it suddenly costs much more than before: it may be in a local minimum that small
     /// steps do not leave.
-    pub tangled: bool,
+    pub(crate) tangled: bool,
 }
 
 impl Candidate {
     /// A candidate that was not optimized yet.
-    pub(super) fn new(band: Band, clusters: &Clusters) -> Self {
+    pub(super) fn new(band: Trajectory, clusters: &Clusters) -> Self {
         let signature = signature(clusters, &band);
         Self {
             band,
@@ -46,8 +46,8 @@ impl Candidate {
 }
 
 /// The class of a band.
-pub(super) fn signature(clusters: &Clusters, band: &Band) -> Signature {
-    let passing = band.knots().iter().map(|k| Passing {
+pub(super) fn signature(clusters: &Clusters, band: &Trajectory) -> Signature {
+    let passing = band.poses().iter().map(|k| Passing {
         point: k.pose.point(),
         time: k.time,
     });
@@ -60,11 +60,11 @@ pub(super) fn best_of_each_class(
     mut candidates: Vec<Candidate>,
     hysteresis: f64,
 ) -> Vec<Candidate> {
-    let worth = |i: usize| {
-        let worth = candidates[i].worth();
-        if i == 0 { hysteresis * worth } else { worth }
-    };
-    let best = (0..candidates.len()).min_by(|&a, &b| worth(a).total_cmp(&worth(b)));
+    let mut worths: Vec<f64> = candidates.iter().map(Candidate::worth).collect();
+    if let Some(first) = worths.first_mut() {
+        *first *= hysteresis;
+    }
+    let best = (0..worths.len()).min_by(|&a, &b| worths[a].total_cmp(&worths[b]));
     let Some(best) = best else { return candidates };
     candidates.swap(0, best);
     let mut kept: Vec<Candidate> = Vec::with_capacity(candidates.len());

@@ -34,25 +34,30 @@
 //!
 //! Unlike in the papers, tᵢ = Σ ΔTₖ is the variable instead of ΔTᵢ: all terms stay local, and the
 //! term of a moving obstacle gets its true derivative by time. Steps are taken in the robot's own
-//! coordinates ([`optimize`]): straight steps of all variables violate the non-holonomic
+//! coordinates ([`Optimizer`]): straight steps of all variables violate the non-holonomic
 //! constraint, and would have to be tiny.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
-//! | [`terms`] | what is minimized, with derivatives |
+//! | `terms` | what is minimized, with derivatives |
 //! | `normal` | banded normal equations |
-//! | [`optimize`] | the Levenberg-Marquardt method |
-//! | [`classes`] | homotopy classes and the cheapest path of each |
-//! | [`candidate`] | bands that compete, one of each class |
-//! | [`planner`] | several bands from cycle to cycle, the best one driven |
-//! | [`settings`] | weights, margins, and how the planner works |
+//! | `optimize` | the Levenberg-Marquardt method |
+//! | `classes` | homotopy classes and the cheapest path of each |
+//! | `candidate` | bands that compete, one of each class |
+//! | `planner` | several bands from cycle to cycle, the best one driven |
+//! | `settings` | weights, margins, and how the planner works |
 
-pub mod candidate;
-pub mod classes;
+mod candidate;
+mod classes;
 mod normal;
-pub mod optimize;
-pub mod planner;
-pub mod settings;
-pub mod terms;
+mod optimize;
+mod planner;
+mod settings;
+mod terms;
 
-pub use planner::{entry, entry_with};
+pub use candidate::Candidate;
+pub use classes::{ClassPath, Clusters, Explorer, Exploring, Passing, Signature};
+pub use optimize::{Effort, Optimizer};
+pub use planner::{Teb, TebError, entry, entry_with};
+pub use settings::{Margins, Settings, TebSettings, Weights};
+pub use terms::Problem;

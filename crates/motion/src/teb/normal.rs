@@ -5,7 +5,7 @@
 //! grow with the length of the band, not with its square or cube.
 
 /// Variables of a knot.
-pub const BLOCK: usize = 4;
+pub(crate) const BLOCK: usize = 4;
 /// Relative damping of the steps of a knot's variables: x, y, yaw, time.
 const SCALE: [f64; BLOCK] = [1.0, 1.0, 0.1, 0.02];
 /// Columns of a row that may differ from zero, the diagonal included.
@@ -13,14 +13,14 @@ const WIDTH: usize = 3 * BLOCK;
 
 /// Receives weighted residuals and their derivatives by the `K` variables from the first one of
 /// knot `knot` on.
-pub trait Sink {
+pub(crate) trait Sink {
     /// Adds `weight * residual²` to what is minimized.
     fn add<const K: usize>(&mut self, knot: usize, weight: f64, residual: f64, gradient: &[f64; K]);
 }
 
 /// Sums the squares only.
 #[derive(Debug, Default)]
-pub struct Total(pub f64);
+pub(crate) struct Total(pub f64);
 
 impl Sink for Total {
     #[inline]
@@ -37,7 +37,7 @@ impl Sink for Total {
 
 /// A step of all variables.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step<'a> {
+pub(crate) struct Step<'a> {
     /// By how much each variable moves.
     pub by: &'a [f64],
     /// Predicted decrease of the sum of squares, if it were quadratic.
@@ -46,7 +46,7 @@ pub struct Step<'a> {
 
 /// JᵀWJ, JᵀWr and rᵀWr.
 #[derive(Debug, Clone, Default)]
-pub struct Normal {
+pub(crate) struct Normal {
     /// Row i holds columns i - 11 to i.
     matrix: Vec<[f64; WIDTH]>,
     gradient: Vec<f64>,
@@ -80,7 +80,7 @@ impl Sink for Normal {
 
 impl Normal {
     /// Empties the equations for `knots` knots.
-    pub fn clear(&mut self, knots: usize) {
+    pub(crate) fn clear(&mut self, knots: usize) {
         self.matrix.clear();
         self.matrix.resize(knots * BLOCK, [0.0; WIDTH]);
         self.gradient.clear();
@@ -89,12 +89,12 @@ impl Normal {
     }
 
     /// Sum of the weighted squares.
-    pub fn total(&self) -> f64 {
+    pub(crate) fn total(&self) -> f64 {
         self.total
     }
 
     /// Fixes a variable: its step will be zero.
-    pub fn hold(&mut self, variable: usize) {
+    pub(crate) fn hold(&mut self, variable: usize) {
         self.matrix[variable] = [0.0; WIDTH];
         self.matrix[variable][WIDTH - 1] = 1.0;
         self.gradient[variable] = 0.0;
@@ -106,7 +106,7 @@ impl Normal {
 
     /// The step that minimizes the sum of squares plus `damping` times the square of the step
     /// itself (Levenberg); `None` if the matrix is not positive definite or not finite.
-    pub fn step(&mut self, damping: f64) -> Option<Step<'_>> {
+    pub(crate) fn step(&mut self, damping: f64) -> Option<Step<'_>> {
         self.factor.clone_from(&self.matrix);
         for (i, row) in self.factor.iter_mut().enumerate() {
             row[WIDTH - 1] += damping * SCALE[i % BLOCK];

@@ -5,7 +5,7 @@ use openbench_core::{MapPoint, Pose2};
 
 use crate::teb::normal::{BLOCK, Normal, Total};
 use crate::teb::terms::{Frozen, Problem, Via, collect};
-use crate::trajectory::{Band, Knot};
+use crate::trajectory::{TimedPose, Trajectory};
 
 /// How much a band is optimized.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,14 +63,14 @@ pub struct Optimizer {
     damping: f64,
     normal: Normal,
     frozen: Frozen,
-    trial: Option<Band>,
+    trial: Option<Trajectory>,
 }
 
 impl Optimizer {
     /// Optimizes a band and returns its cost. `vias` are points that it should pass, in `map`.
     pub fn improve(
         &mut self,
-        band: &mut Band,
+        band: &mut Trajectory,
         problem: &Problem<'_>,
         vias: &[MapPoint],
         effort: &Effort,
@@ -98,20 +98,26 @@ impl Optimizer {
     }
 
     /// Fixes what does not change during a pass.
-    fn freeze(&mut self, band: &Band, problem: &Problem<'_>, vias: &[MapPoint], firmness: f64) {
+    fn freeze(
+        &mut self,
+        band: &Trajectory,
+        problem: &Problem<'_>,
+        vias: &[MapPoint],
+        firmness: f64,
+    ) {
         let resolution = &problem.settings.resolution;
         self.frozen.firmness = firmness;
         self.frozen.steps.clear();
         self.frozen
             .steps
-            .extend(band.knots().iter().map(|k| resolution.step_at(k.time)));
-        let stretches = band.knots().windows(2);
+            .extend(band.poses().iter().map(|k| resolution.step_at(k.time)));
+        let stretches = band.poses().windows(2);
         self.frozen.lengths.clear();
         self.frozen
             .lengths
             .extend(stretches.map(|w| w[0].pose.point().distance(w[1].pose.point())));
         let circle = problem.footprint.circumscribed();
-        let placed = problem.footprint.at(band.knots()[0].pose);
+        let placed = problem.footprint.at(band.poses()[0].pose);
         let near = problem
             .obstacles
             .iter()
@@ -120,12 +126,12 @@ impl Optimizer {
         self.frozen.allowed.clear();
         self.frozen
             .allowed
-            .extend(band.knots().iter().map(|k| start + LEAVING_MPS * k.time));
+            .extend(band.poses().iter().map(|k| start + LEAVING_MPS * k.time));
         self.frozen.vias.clear();
         if problem.settings.weights.via == 0.0 {
             return;
         }
-        let knots = band.knots();
+        let knots = band.poses();
         for via in vias {
             let away = |i: &usize| knots[*i].pose.point().distance(*via);
             let nearest = (1..knots.len() - 1).min_by(|a, b| away(a).total_cmp(&away(b)));
@@ -137,14 +143,14 @@ impl Optimizer {
 
     /// One pass. The damping follows H. B. Nielsen, *Damping Parameter in Marquardt's Method*,
     /// 1999: it depends on how well the last step was predicted.
-    fn descend(&mut self, band: &mut Band, problem: &Problem<'_>, effort: &Effort) -> f64 {
+    fn descend(&mut self, band: &mut Trajectory, problem: &Problem<'_>, effort: &Effort) -> f64 {
         let mut cost = self.linearize(band, problem);
         let mut raise = 2.0;
         for _ in 0..effort.steps {
             let trial = self.trial.get_or_insert_with(|| band.clone());
             trial.clone_from(band);
             let foreseen = self.normal.step(self.damping).map(|step| {
-                take(trial.knots_mut(), step.by);
+                take(trial.poses_mut(), step.by);
                 step.fall
             });
             let mut total = Total::default();
@@ -171,8 +177,8 @@ impl Optimizer {
     }
 
     /// Sets up the normal equations at a band, with its ends held; returns its cost.
-    fn linearize(&mut self, band: &Band, problem: &Problem<'_>) -> f64 {
-        let knots = band.knots().len();
+    fn linearize(&mut self, band: &Trajectory, problem: &Problem<'_>) -> f64 {
+        let knots = band.poses().len();
         self.normal.clear(knots);
         collect(band, problem, &self.frozen, &mut self.normal);
         let end = (knots - 1) * BLOCK;
@@ -190,16 +196,15 @@ impl Optimizer {
 /// and as far aside of its heading as the step says: a straight step would violate the
 /// non-holonomic constraint, and be refused or have to be tiny. The error at the end is small (of
 /// second order) and distributed over all knots.
-fn take(knots: &mut [Knot], step: &[f64]) {
+fn take(knots: &mut [TimedPose], step: &[f64]) {
     let last = knots.len() - 1;
     let (goal, mut at) = (knots[last].pose.point(), knots[0].pose.point());
-    let bounded = |d: f64, most: f64| d.clamp(-most, most);
     let (mut old, mut before) = (knots[0], [0.0; BLOCK]);
     for (knot, step) in knots.iter_mut().zip(step.chunks_exact(BLOCK)).skip(1) {
         let new = *knot;
         let (mean, turned) = (
             (old.pose.yaw + new.pose.yaw) / 2.0,
-            (before[2] + bounded(step[2], SHARPEST_RAD)) / 2.0,
+            (before[2] + bounded_turn(step[2])) / 2.0,
         );
         let (s, c) = libm::sincos(mean);
         let chord = [new.pose.x - old.pose.x, new.pose.y - old.pose.y];
@@ -214,7 +219,7 @@ fn take(knots: &mut [Knot], step: &[f64]) {
         );
         let seconds = new.time - old.time;
         let seconds = (seconds + step[3] - before[3]).max(SHORTEST * seconds);
-        before = [step[0], step[1], bounded(step[2], SHARPEST_RAD), step[3]];
+        before = [step[0], step[1], bounded_turn(step[2]), step[3]];
         knot.pose = Pose2::new(at.x, at.y, new.pose.yaw + before[2]);
         knot.time = seconds;
         old = new;
@@ -231,4 +236,9 @@ fn take(knots: &mut [Knot], step: &[f64]) {
         knot.pose.x += share * missing[0];
         knot.pose.y += share * missing[1];
     }
+}
+
+/// The turn of a step, radians: large ones come from a poor linearization.
+fn bounded_turn(turn: f64) -> f64 {
+    turn.clamp(-SHARPEST_RAD, SHARPEST_RAD)
 }

@@ -3,20 +3,20 @@
 use openbench_core::{MapPoint, RobotDescription, SimTime, Velocity, frames::wrap_angle};
 
 use crate::checks::SettingsError;
-use crate::feasible::first_conflict;
+use crate::feasible::ConflictCheck;
 use crate::limits::Limits;
 use crate::local::{
     Blocked, Entry, LocalPlanner, PathPoint, PlannerSettings, Progress, Situation, ahead,
 };
 use crate::people::caution::Hesitation;
-use crate::recovery::maneuver::maneuver;
+use crate::recovery::maneuver;
 use crate::shape::{Footprint, Obstacle, ShapeError};
 use crate::teb::candidate::{Candidate, best_of_each_class, signature};
 use crate::teb::classes::{Clusters, Explorer};
 use crate::teb::optimize::{Effort, Optimizer};
 use crate::teb::settings::TebSettings;
 use crate::teb::terms::Problem;
-use crate::trajectory::Band;
+use crate::trajectory::Trajectory;
 
 mod command;
 mod contact;
@@ -62,6 +62,7 @@ pub fn entry_with(own: TebSettings) -> Entry {
 
 /// A planner cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TebError {
     /// A limit or a setting makes no sense.
     #[error(transparent)]
@@ -89,7 +90,7 @@ pub struct Teb {
     /// Whether the robot is in near contact with an obstacle.
     is_touching: bool,
     /// The motion that leaves near contact.
-    way_out: Option<Band>,
+    way_out: Option<Trajectory>,
     /// When a maneuver was last searched.
     searched: Option<SimTime>,
     hesitation: Hesitation,
@@ -157,6 +158,16 @@ impl Teb {
         }
     }
 
+    /// A check of motions that keep `margin` metres off obstacles.
+    fn check<'a>(&'a self, obstacles: &'a [Obstacle], margin: f64) -> ConflictCheck<'a> {
+        ConflictCheck {
+            footprint: &self.footprint,
+            limits: &self.limits,
+            obstacles,
+            margin,
+        }
+    }
+
     /// Seconds since bands were last planned.
     fn elapsed(&self, now: SimTime) -> f64 {
         self.last
@@ -198,7 +209,7 @@ impl Teb {
             self.candidates.clear();
         }
         let expected = self.candidates.first().map(|c| c.band.pose_at(elapsed));
-        let jumped = expected.filter(|expected| Band::is_jump(*expected, situation.pose));
+        let jumped = expected.filter(|expected| Trajectory::is_jump(*expected, situation.pose));
         for candidate in &mut self.candidates {
             if let Some(expected) = jumped {
                 candidate.band.carry(expected, situation.pose);
@@ -236,10 +247,10 @@ impl Teb {
             paths.extend(self.explorer.explore(start, end.point, &met, &how));
         }
         let (pose, side) = (situation.pose, self.settings.side);
-        let drafts = paths
-            .iter()
-            .filter_map(|path| Band::along(pose, &path.corners[1..], end.yaw, &self.limits, side));
-        let mut drafts: Vec<Band> = drafts.collect();
+        let drafts = paths.iter().filter_map(|path| {
+            Trajectory::along(pose, &path.corners[1..], end.yaw, &self.limits, side)
+        });
+        let mut drafts: Vec<Trajectory> = drafts.collect();
         if !moving.is_empty() {
             drafts.extend(self.waiting());
         }
@@ -247,7 +258,7 @@ impl Teb {
     }
 
     /// The first band after waits, if it has a conflict.
-    fn waiting(&self) -> Vec<Band> {
+    fn waiting(&self) -> Vec<Trajectory> {
         let Some(driven) = self.candidates.first().filter(|c| c.conflict.is_some()) else {
             return Vec::new();
         };
@@ -259,7 +270,7 @@ impl Teb {
 
     /// Candidates from drafts of classes that have none. While a band leads to the end, one new
     /// band in a cycle is soon enough: cycles should all take about as long.
-    fn of_new_classes(&self, drafts: Vec<Band>) -> Vec<Candidate> {
+    fn of_new_classes(&self, drafts: Vec<Trajectory>) -> Vec<Candidate> {
         let most = self.settings.exploring.most;
         let at_once = if self.leads() { 1 } else { most };
         let mut new: Vec<Candidate> = Vec::new();
@@ -280,17 +291,12 @@ impl Teb {
         let Some(driven) = self.candidates.first().filter(|_| obstacle.is_moving()) else {
             return obstacle.clone();
         };
-        let (middle, v) = (obstacle.middle(), obstacle.velocity());
-        let apart = |time: f64| {
-            let there = MapPoint::new(middle.x + v.x * time, middle.y + v.y * time);
-            there.distance(driven.band.pose_at(time).point())
-        };
-        let times = driven.band.knots().iter().map(|k| k.time);
-        obstacle.after(
-            times
-                .min_by(|a, b| apart(*a).total_cmp(&apart(*b)))
-                .unwrap_or(0.0),
-        )
+        let times = driven.band.poses().iter().map(|k| k.time);
+        let met = times.min_by(|a, b| {
+            let [a, b] = [a, b].map(|time| apart_at(*time, obstacle, &driven.band));
+            a.total_cmp(&b)
+        });
+        obstacle.after(met.unwrap_or(0.0))
     }
 
     /// Via points: points of the path within the horizon that bands pass.
@@ -323,7 +329,7 @@ impl Teb {
         let has_moving = situation.obstacles.iter().any(Obstacle::is_moving);
         let check = Check {
             problem: &problem,
-            is_firm: self.settings.surprise.is_none() && has_moving,
+            is_firm: self.settings.approach_margin_mps.is_none() && has_moving,
         };
         let warm = self.candidates.len();
         self.candidates.extend(new);
@@ -362,22 +368,18 @@ impl Teb {
         }
         if let Some(band) = self.search(situation, end) {
             let mut candidate = Candidate::new(band, &self.clusters);
-            let obstacles = situation.obstacles;
-            candidate.conflict = first_conflict(
-                &self.footprint,
-                &self.limits,
-                obstacles,
-                &candidate.band,
-                SURE_M,
-            );
+            candidate.conflict = self
+                .check(situation.obstacles, SURE_M)
+                .first_conflict(&candidate.band);
             self.candidates.insert(0, candidate);
         }
     }
 
     /// Searches a maneuver to the end, once a second at most.
-    fn search(&mut self, situation: &Situation<'_>, end: &End) -> Option<Band> {
-        let is_early = |at: SimTime| situation.time.since(at).as_secs_f64() < SEARCH_AGAIN_S;
-        if self.searched.is_some_and(is_early) {
+    fn search(&mut self, situation: &Situation<'_>, end: &End) -> Option<Trajectory> {
+        let age = self.searched.map(|at| situation.time.since(at));
+        // A search takes several times as long as a cycle.
+        if age.is_some_and(|age| age.as_secs_f64() < SEARCH_AGAIN_S) {
             return None;
         }
         self.searched = Some(situation.time);
@@ -403,21 +405,27 @@ struct Check<'a> {
 
 impl Check<'_> {
     /// Seconds until a band meets an obstacle.
-    fn conflict(&self, band: &Band) -> Option<f64> {
+    fn conflict(&self, band: &Trajectory) -> Option<f64> {
         self.first_conflict(band, SURE_M)
     }
 
-    fn first_conflict(&self, band: &Band, margin: f64) -> Option<f64> {
+    fn first_conflict(&self, band: &Trajectory, margin: f64) -> Option<f64> {
         let Problem {
             footprint,
             limits,
             obstacles,
             ..
         } = *self.problem;
-        first_conflict(footprint, limits, obstacles, band, margin)
+        let check = ConflictCheck {
+            footprint,
+            limits,
+            obstacles,
+            margin,
+        };
+        check.first_conflict(band)
     }
 
-    fn is_near(&self, band: &Band) -> bool {
+    fn is_near(&self, band: &Trajectory) -> bool {
         self.first_conflict(band, FIRM_M).is_some()
     }
 
@@ -425,9 +433,12 @@ impl Check<'_> {
     fn prefers(&self, before: &Candidate, after: &Candidate) -> bool {
         let is_worse = after.conflict.is_some()
             || self.is_firm && self.is_near(&after.band) && !self.is_near(&before.band);
-        let leads =
-            |band: &Band| self.conflict(band).is_none() && is_drivable(band, self.problem.limits);
-        is_worse && leads(&before.band)
+        is_worse && self.leads(&before.band)
+    }
+
+    /// Whether a band can be driven to its end.
+    fn leads(&self, band: &Trajectory) -> bool {
+        self.conflict(band).is_none() && is_drivable(band, self.problem.limits)
     }
 }
 
@@ -451,7 +462,7 @@ impl LocalPlanner for Teb {
         self.hesitate(situation, decided)
     }
 
-    fn among_people(&self, situation: &Situation<'_>, velocity: Velocity) -> Velocity {
+    fn limit_near_people(&self, situation: &Situation<'_>, velocity: Velocity) -> Velocity {
         let caution = self.caution();
         let slowed = caution.slowed(situation, velocity, None);
         if caution.cuts_off(situation, slowed, None) {
@@ -469,14 +480,21 @@ impl LocalPlanner for Teb {
     }
 }
 
+/// How far a moving obstacle and a robot on a band are apart after `time` seconds, metres.
+fn apart_at(time: f64, obstacle: &Obstacle, band: &Trajectory) -> f64 {
+    let (middle, v) = (obstacle.middle(), obstacle.velocity());
+    let there = MapPoint::new(middle.x + v.x * time, middle.y + v.y * time);
+    there.distance(band.pose_at(time).point())
+}
+
 /// -1, 0 or 1.
 fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
 }
 
 /// Whether a robot can drive a band about as fast as it says, everywhere.
-fn is_drivable(band: &Band, limits: &Limits) -> bool {
+fn is_drivable(band: &Trajectory, limits: &Limits) -> bool {
     let slowed = band.slowed(limits);
-    let mut pairs = band.knots().windows(2).zip(slowed.knots().windows(2));
+    let mut pairs = band.poses().windows(2).zip(slowed.poses().windows(2));
     pairs.all(|(a, b)| b[1].time - b[0].time < LATER * (a[1].time - a[0].time))
 }

@@ -148,11 +148,11 @@ pub struct TebSettings {
     ///
     /// `None` by default: where all motion is predicted exactly the robot may pass closely, and
     /// evades.
-    pub surprise: Option<f64>,
+    pub approach_margin_mps: Option<f64>,
     /// Seconds that a walking person needs to stop: the robot does not drive onto ground where
     /// somebody will be by then. `None` by default: where all motion is predicted exactly it may
     /// pass closely before somebody.
-    pub yields: Option<f64>,
+    pub stopping_time_s: Option<f64>,
 }
 
 impl Default for TebSettings {
@@ -166,8 +166,8 @@ impl Default for TebSettings {
             yaw_tolerance: 0.08,
             via: None,
             side: 0.0,
-            surprise: None,
-            yields: None,
+            approach_margin_mps: None,
+            stopping_time_s: None,
         }
     }
 }
@@ -191,11 +191,11 @@ impl TebSettings {
         finite("the preferred side", self.side)?;
         positive(
             "the unpredicted approach speed of people",
-            self.surprise.unwrap_or(1.0),
+            self.approach_margin_mps.unwrap_or(1.0),
         )?;
         positive(
             "the time that somebody needs to stop",
-            self.yields.unwrap_or(1.0),
+            self.stopping_time_s.unwrap_or(1.0),
         )?;
         self.exploring.check()
     }

@@ -10,7 +10,7 @@ use crate::limits::Limits;
 use crate::shape::{Footprint, Obstacle};
 use crate::teb::normal::{BLOCK, Sink};
 use crate::teb::settings::Settings;
-use crate::trajectory::{Band, Knot};
+use crate::trajectory::{TimedPose, Trajectory};
 
 /// Variables of two knots.
 const PAIR: usize = 2 * BLOCK;
@@ -50,28 +50,28 @@ pub struct Problem<'a> {
 
 /// A via point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Via {
+pub(crate) struct Via {
     /// The knot that is to pass it.
-    pub knot: usize,
+    pub(crate) knot: usize,
     /// Where, in `map`.
-    pub point: MapPoint,
+    pub(crate) point: MapPoint,
 }
 
 /// What does not change during a pass of optimization.
 #[derive(Debug, Clone, Default)]
-pub struct Frozen {
+pub(crate) struct Frozen {
     /// Wanted duration of each stretch, seconds.
-    pub steps: Vec<f64>,
+    pub(crate) steps: Vec<f64>,
     /// Via points.
-    pub vias: Vec<Via>,
+    pub(crate) vias: Vec<Via>,
     /// Length of each stretch when the band was last resized, metres: squares weighed by their
     /// inverse are lengths.
-    pub lengths: Vec<f64>,
+    pub(crate) lengths: Vec<f64>,
     /// The most that each knot has to keep off obstacles, metres: a band that begins near one
     /// leaves it gradually.
-    pub allowed: Vec<f64>,
+    pub(crate) allowed: Vec<f64>,
     /// Factor of the obstacles' weight, raised from pass to pass.
-    pub firmness: f64,
+    pub(crate) firmness: f64,
 }
 
 /// A stretch between two knots, and the derivatives of its velocities by their variables.
@@ -90,7 +90,7 @@ impl Stretch {
     /// The speed is taken along the mean heading: a circle's chord leaves and meets it at the same
     /// angle, so that an arc has no sideways component (the non-holonomic constraint of Roesmann et
     /// al. 2012).
-    fn between(a: &Knot, b: &Knot) -> Self {
+    fn between(a: &TimedPose, b: &TimedPose) -> Self {
         let seconds = (b.time - a.time).max(SHORTEST_S);
         let chord = [b.pose.x - a.pose.x, b.pose.y - a.pose.y];
         let (s, c) = libm::sincos((a.pose.yaw + b.pose.yaw) / 2.0);
@@ -125,16 +125,29 @@ impl Stretch {
     }
 
     /// Speed of the left (`side` -1) or right (1) rim, and its derivatives.
-    fn rim(&self, side: f64, half_track: f64) -> (f64, [f64; PAIR]) {
+    fn rim(&self, side: f64, half_track: f64) -> Rim {
         let arm = side * half_track;
-        let by = std::array::from_fn(|k| self.by_speed[k] + arm * self.by_turn[k]);
-        (self.speed + arm * self.turn, by)
+        Rim {
+            speed: self.speed + arm * self.turn,
+            by_speed: std::array::from_fn(|k| self.by_speed[k] + arm * self.by_turn[k]),
+        }
     }
 }
 
+/// Speed of a rim on a stretch, m/s, and its derivatives by the variables of both knots.
+struct Rim {
+    speed: f64,
+    by_speed: [f64; PAIR],
+}
+
 /// Gives every residual of `band` to `sink`.
-pub fn collect(band: &Band, problem: &Problem<'_>, frozen: &Frozen, sink: &mut impl Sink) {
-    let knots = band.knots();
+pub(crate) fn collect(
+    band: &Trajectory,
+    problem: &Problem<'_>,
+    frozen: &Frozen,
+    sink: &mut impl Sink,
+) {
+    let knots = band.poses();
     for (i, knot) in knots.iter().enumerate().skip(1) {
         obstacles(i, knot, problem, frozen, sink);
     }
@@ -173,7 +186,13 @@ pub fn collect(band: &Band, problem: &Problem<'_>, frozen: &Frozen, sink: &mut i
 }
 
 /// Distances to obstacles, of the whole footprint from the whole outline.
-fn obstacles(i: usize, knot: &Knot, problem: &Problem<'_>, frozen: &Frozen, sink: &mut impl Sink) {
+fn obstacles(
+    i: usize,
+    knot: &TimedPose,
+    problem: &Problem<'_>,
+    frozen: &Frozen,
+    sink: &mut impl Sink,
+) {
     let (margins, weights) = (&problem.settings.margins, &problem.settings.weights);
     let foot = problem.footprint.at(knot.pose);
     let step = frozen.steps[i.min(frozen.steps.len() - 1)];
@@ -291,12 +310,10 @@ fn accelerate(
 ) {
     let both = a.seconds + b.seconds;
     for side in [-1.0, 1.0] {
-        let ((u, by_u), (v, by_v)) = (
-            a.rim(side, problem.limits.half_track),
-            b.rim(side, problem.limits.half_track),
-        );
+        let u = a.rim(side, problem.limits.half_track);
+        let v = b.rim(side, problem.limits.half_track);
         let rate = 2.0 / both;
-        let acceleration = rate * (v - u);
+        let acceleration = rate * (v.speed - u.speed);
         let over = acceleration.abs() - problem.limits.acceleration;
         if over <= TOLERANCE {
             continue;
@@ -304,8 +321,8 @@ fn accelerate(
         let sign = acceleration.signum();
         let mut by = [0.0; TRIPLE];
         for k in 0..PAIR {
-            by[k] -= sign * rate * by_u[k];
-            by[k + BLOCK] += sign * rate * by_v[k];
+            by[k] -= sign * rate * u.by_speed[k];
+            by[k + BLOCK] += sign * rate * v.by_speed[k];
         }
         by[BLOCK - 1] += sign * acceleration / both;
         by[TRIPLE - 1] -= sign * acceleration / both;
@@ -399,15 +416,15 @@ fn change(
     problem: &Problem<'_>,
     sink: &mut impl Sink,
 ) {
-    let (rim, by_rim) = stretch.rim(end.side, problem.limits.half_track);
+    let rim = stretch.rim(end.side, problem.limits.half_track);
     let rate = 2.0 * end.direction / stretch.seconds;
-    let acceleration = rate * (rim - end.speed);
+    let acceleration = rate * (rim.speed - end.speed);
     let over = acceleration.abs() - problem.limits.acceleration;
     if over <= TOLERANCE {
         return;
     }
     let sign = acceleration.signum();
-    let mut by = by_rim.map(|d| sign * rate * d);
+    let mut by = rim.by_speed.map(|d| sign * rate * d);
     by[BLOCK - 1] += sign * acceleration / stretch.seconds;
     by[PAIR - 1] -= sign * acceleration / stretch.seconds;
     sink.add(i, problem.settings.weights.acceleration * step, over, &by);
@@ -460,18 +477,18 @@ mod tests {
                 (-0.15..0.15_f64, -0.3..0.3_f64, -0.8..0.8_f64, 0.05..0.5_f64),
                 5,
             ),
-        ) -> Vec<Knot> {
+        ) -> Vec<TimedPose> {
             let mut time = -0.1;
             let knot = |(i, (x, y, yaw, dt)): (usize, &(f64, f64, f64, f64))| {
                 time += dt + 0.05;
-                Knot { pose: Pose2::new(0.4 * i as f64 + x, *y, *yaw), time }
+                TimedPose { pose: Pose2::new(0.4 * i as f64 + x, *y, *yaw), time }
             };
             steps.iter().enumerate().map(knot).collect()
         }
     }
 
     /// Knots with one variable moved.
-    fn moved(knots: &[Knot], variable: usize, by: f64) -> Vec<Knot> {
+    fn moved(knots: &[TimedPose], variable: usize, by: f64) -> Vec<TimedPose> {
         let mut knots = knots.to_vec();
         let knot = &mut knots[variable / BLOCK];
         match variable % BLOCK {
@@ -515,9 +532,9 @@ mod tests {
                 vias: vec![Via { knot: 2, point: MapPoint::new(0.9, 0.2) }],
                 firmness: 1.0,
             };
-            let residuals = |knots: Vec<Knot>| {
+            let residuals = |knots: Vec<TimedPose>| {
                 let mut list = List::default();
-                collect(&Band::new(knots).unwrap(), &problem, &frozen, &mut list);
+                collect(&Trajectory::new(knots).unwrap(), &problem, &frozen, &mut list);
                 list.0
             };
             let here = residuals(knots.clone());

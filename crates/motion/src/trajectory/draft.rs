@@ -2,7 +2,7 @@
 
 use openbench_core::{MapPoint, Pose2, frames::wrap_angle};
 
-use super::band::{Band, Knot};
+use super::timed_poses::{TimedPose, Trajectory};
 use crate::limits::Limits;
 
 /// Distance between points of a new band, metres.
@@ -12,7 +12,7 @@ const ROUNDING: usize = 3;
 /// Turns of more than this may go to either side, radians.
 const U_TURN_RAD: f64 = 2.0;
 
-impl Band {
+impl Trajectory {
     /// A band along a polyline with its corners rounded, as fast as the limits of speed and turn
     /// rate allow. The robot turns on the spot before it and, with `goal_yaw` (radians), after it.
     ///
@@ -26,13 +26,13 @@ impl Band {
         side: f64,
     ) -> Option<Self> {
         let points = rounded(start.point(), corners);
-        let mut knots = vec![Knot {
+        let mut poses = vec![TimedPose {
             pose: start,
             time: 0.0,
         }];
         for (i, pair) in points.windows(2).enumerate() {
             let after = points.get(i + 2).copied().unwrap_or(pair[1]);
-            let chord = wrap_angle(pair[0].bearing_to(pair[1]) - knots[knots.len() - 1].pose.yaw);
+            let chord = wrap_angle(pair[0].bearing_to(pair[1]) - poses[poses.len() - 1].pose.yaw);
             if i == 0 {
                 let around = chord.abs() > U_TURN_RAD && chord * side < 0.0;
                 let turn = if around {
@@ -40,35 +40,35 @@ impl Band {
                 } else {
                     chord
                 };
-                turn_by(&mut knots, turn, limits);
+                turn_by(&mut poses, turn, limits);
             }
-            let last = knots[knots.len() - 1];
+            let last = poses[poses.len() - 1];
             let turn = wrap_angle(pair[0].bearing_to(after) - last.pose.yaw);
             let seconds =
                 (pair[0].distance(pair[1]) / limits.forward).max(turn.abs() / limits.turn);
             let pose = Pose2::new(pair[1].x, pair[1].y, last.pose.yaw + turn);
-            knots.push(Knot {
+            poses.push(TimedPose {
                 pose,
                 time: last.time + seconds,
             });
         }
         if let Some(yaw) = goal_yaw {
-            let turn = wrap_angle(yaw - knots[knots.len() - 1].pose.yaw);
-            turn_by(&mut knots, turn, limits);
+            let turn = wrap_angle(yaw - poses[poses.len() - 1].pose.yaw);
+            turn_by(&mut poses, turn, limits);
         }
-        Self::new(knots)
+        Self::new(poses)
     }
 }
 
 /// Adds a turn on the spot, radians.
-fn turn_by(knots: &mut Vec<Knot>, turn: f64, limits: &Limits) {
-    let last = knots[knots.len() - 1];
+fn turn_by(poses: &mut Vec<TimedPose>, turn: f64, limits: &Limits) {
+    let last = poses[poses.len() - 1];
     if turn.abs() > 1e-3 {
         let pose = Pose2 {
             yaw: last.pose.yaw + turn,
             ..last.pose
         };
-        knots.push(Knot {
+        poses.push(TimedPose {
             pose,
             time: last.time + turn.abs() / limits.turn,
         });
@@ -92,21 +92,23 @@ fn rounded(start: MapPoint, corners: &[MapPoint]) -> Vec<MapPoint> {
         }
         at = corner;
     }
-    let mean = |i: usize| {
-        let reach = ROUNDING.min(i).min(points.len() - 1 - i);
-        let around = &points[i - reach..=i + reach];
-        let n = around.len() as f64;
-        around.iter().fold(MapPoint::default(), |m, p| {
-            MapPoint::new(m.x + p.x / n, m.y + p.y / n)
-        })
-    };
-    (0..points.len()).map(mean).collect()
+    (0..points.len()).map(|i| mean_around(&points, i)).collect()
+}
+
+/// The mean of a point and those around it, as many before it as after it: the ends stay.
+fn mean_around(points: &[MapPoint], i: usize) -> MapPoint {
+    let reach = ROUNDING.min(i).min(points.len() - 1 - i);
+    let around = &points[i - reach..=i + reach];
+    let n = around.len() as f64;
+    around.iter().fold(MapPoint::default(), |m, p| {
+        MapPoint::new(m.x + p.x / n, m.y + p.y / n)
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trajectory::band::tests::{band, limits};
+    use crate::trajectory::timed_poses::tests::{band, limits};
 
     #[test]
     fn a_band_along_corners_rounds_them_and_turns_on_the_spot_at_the_end() {
@@ -132,7 +134,7 @@ mod tests {
     fn a_u_turn_goes_to_the_preferred_side() {
         let back = [MapPoint::new(-2.0, 0.05)];
         for side in [-1.0, 1.0] {
-            let band = Band::along(Pose2::default(), &back, None, &limits(), side).unwrap();
+            let band = Trajectory::along(Pose2::default(), &back, None, &limits(), side).unwrap();
             assert!(band.velocity(0).angular * side > 0.9, "{band:?}");
         }
     }

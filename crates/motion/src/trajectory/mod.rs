@@ -1,17 +1,18 @@
 //! Trajectories: where the robot is to be, and when.
 //!
-//! Planners and recovery maneuvers make a [`Band`]. Code that drives one, or looks for conflicts
-//! along one, needs not know which planner it comes from.
+//! Planners and recovery maneuvers make a [`Trajectory`]. Code that drives one, or looks for
+//! conflicts along one, need not know which planner it comes from.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
-//! | [`band`] | [`Band`]: poses at times, read and carried along from cycle to cycle |
+//! | `timed_poses` | [`Trajectory`]: poses at times, read and carried along from cycle to cycle |
 //! | `draft` | a first band along a polyline |
 //! | `resize` | [`Resolution`]: how finely a band is divided |
 
-pub mod band;
 mod draft;
 mod resize;
+mod timed_poses;
 
-pub use band::{Band, Knot};
 pub use resize::Resolution;
+pub(crate) use timed_poses::COMMAND_S;
+pub use timed_poses::{TimedPose, Trajectory};

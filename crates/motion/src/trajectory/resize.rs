@@ -1,6 +1,6 @@
 //! Resolution of a band, and the automatic resizing that keeps it.
 
-use super::band::{Band, Knot};
+use super::timed_poses::{TimedPose, Trajectory};
 use crate::checks::{SettingsError, positive};
 use crate::kinematics::on_arc;
 
@@ -19,7 +19,7 @@ pub struct Resolution {
     pub far: f64,
     /// Seconds ahead from which on stretches have that duration.
     pub horizon: f64,
-    /// Most knots of a band.
+    /// Most poses of a band.
     pub most: usize,
 }
 
@@ -36,7 +36,7 @@ impl Default for Resolution {
 
 impl Resolution {
     /// Duration of a stretch that begins `time` seconds ahead, seconds.
-    pub fn step_at(&self, time: f64) -> f64 {
+    pub(crate) fn step_at(&self, time: f64) -> f64 {
         self.near + (self.far - self.near) * (time / self.horizon).clamp(0.0, 1.0)
     }
 
@@ -52,7 +52,7 @@ impl Resolution {
             Ok(())
         } else {
             Err(SettingsError {
-                name: "the number of knots",
+                name: "the number of poses",
                 value,
                 wanted,
             })
@@ -60,20 +60,20 @@ impl Resolution {
     }
 }
 
-impl Band {
+impl Trajectory {
     /// Splits stretches that are too long and joins those that are too short.
-    pub fn resize(&mut self, resolution: &Resolution) {
+    pub(crate) fn resize(&mut self, resolution: &Resolution) {
         self.split(resolution);
         self.join(resolution);
     }
 
     fn split(&mut self, resolution: &Resolution) {
-        let mut knots = Vec::with_capacity(self.knots.len() + 8);
-        for pair in self.knots.windows(2) {
+        let mut poses = Vec::with_capacity(self.poses.len() + 8);
+        for pair in self.poses.windows(2) {
             let (a, b) = (pair[0], pair[1]);
-            knots.push(a);
-            while knots.len() < resolution.most {
-                let at: Knot = knots[knots.len() - 1];
+            poses.push(a);
+            while poses.len() < resolution.most {
+                let at: TimedPose = poses[poses.len() - 1];
                 let step = resolution.step_at(at.time);
                 let left = b.time - at.time;
                 if left <= (1.0 + HYSTERESIS) * step + ROUNDING_S {
@@ -81,32 +81,32 @@ impl Band {
                 }
                 let time = at.time + left / (left / step + ROUNDING_S).round().max(2.0);
                 let share = (time - a.time) / (b.time - a.time);
-                knots.push(Knot {
+                poses.push(TimedPose {
                     pose: on_arc(a.pose, b.pose, share),
                     time,
                 });
             }
         }
-        knots.push(self.knots[self.knots.len() - 1]);
-        self.knots = knots;
+        poses.push(self.poses[self.poses.len() - 1]);
+        self.poses = poses;
     }
 
     fn join(&mut self, resolution: &Resolution) {
         let mut kept = 1;
-        let last = self.knots.len() - 1;
+        let last = self.poses.len() - 1;
         for i in 1..last {
-            let (before, after) = (self.knots[kept - 1].time, self.knots[i + 1].time);
+            let (before, after) = (self.poses[kept - 1].time, self.poses[i + 1].time);
             let step = resolution.step_at(before);
-            let short = self.knots[i].time - before < (1.0 - HYSTERESIS) * step - ROUNDING_S;
+            let short = self.poses[i].time - before < (1.0 - HYSTERESIS) * step - ROUNDING_S;
             let room = after - before < (1.0 + HYSTERESIS) * step + ROUNDING_S;
-            // At least three knots are left, for a velocity and its change.
+            // At least three poses are left, for a velocity and its change.
             if !(short && room && kept + last - i >= 3) {
-                self.knots[kept] = self.knots[i];
+                self.poses[kept] = self.poses[i];
                 kept += 1;
             }
         }
-        self.knots[kept] = self.knots[last];
-        self.knots.truncate(kept + 1);
+        self.poses[kept] = self.poses[last];
+        self.poses.truncate(kept + 1);
     }
 }
 
@@ -127,7 +127,7 @@ fn time_step(name: &'static str, value: f64) -> Result<(), SettingsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trajectory::band::tests::band;
+    use crate::trajectory::timed_poses::tests::band;
 
     #[test]
     fn resizing_keeps_ends_and_time_and_makes_steps_even() {
@@ -137,7 +137,7 @@ mod tests {
             band.resize(&resolution);
         }
         assert_eq!((band.pose_at(99.0), band.duration()), (end, duration));
-        for pair in band.knots().windows(2) {
+        for pair in band.poses().windows(2) {
             let (step, wanted) = (
                 pair[1].time - pair[0].time,
                 resolution.step_at(pair[0].time),

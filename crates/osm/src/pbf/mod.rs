@@ -5,7 +5,7 @@
 //! truncated file is detected first. Unknown kinds of blobs are skipped and unknown features are
 //! refused, as the format demands. Memory stays proportional to the file, whatever its blobs claim.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `wire` | protocol buffers |
 //! | `block` | nodes, ways and relations of a block |

@@ -1,6 +1,6 @@
 //! The route from one place on the network to another.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `travel` | [`Leg`]: the edges of a route, and what they take |
 //! | `line` | [`Line`]: where a leg runs |

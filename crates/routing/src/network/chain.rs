@@ -4,7 +4,7 @@
 
 /// A row of items along an edge, from vertex to vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Chain<'a, T> {
+pub(crate) struct Chain<'a, T> {
     first: T,
     between: &'a [T],
     last: T,
@@ -12,7 +12,7 @@ pub struct Chain<'a, T> {
 
 impl<'a, T: Copy> Chain<'a, T> {
     /// The items at the first vertex, in between, and at the last vertex.
-    pub fn new(first: T, between: &'a [T], last: T) -> Self {
+    pub(crate) fn new(first: T, between: &'a [T], last: T) -> Self {
         Self {
             first,
             between,
@@ -22,13 +22,13 @@ impl<'a, T: Copy> Chain<'a, T> {
 
     /// The number of items: two or more.
     #[expect(clippy::len_without_is_empty, reason = "there are two at least")]
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.between.len() + 2
     }
 
     /// Item `i`; the last one, if there are fewer.
     #[inline]
-    pub fn at(&self, i: usize) -> T {
+    pub(crate) fn at(&self, i: usize) -> T {
         match i.checked_sub(1) {
             None => self.first,
             Some(i) => self.between.get(i).copied().unwrap_or(self.last),
@@ -36,13 +36,13 @@ impl<'a, T: Copy> Chain<'a, T> {
     }
 
     /// All items, in order.
-    pub fn iter(&self) -> impl DoubleEndedIterator<Item = T> + Clone + 'a {
+    pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = T> + Clone + 'a {
         let (first, last) = (std::iter::once(self.first), std::iter::once(self.last));
         first.chain(self.between.iter().copied()).chain(last)
     }
 
     /// Items `begin` to `end`, without the latter.
-    pub fn part(
+    pub(crate) fn part(
         &self,
         begin: usize,
         end: usize,
@@ -51,7 +51,7 @@ impl<'a, T: Copy> Chain<'a, T> {
     }
 
     /// Neighbouring items, in order.
-    pub fn pairs(&self) -> impl Iterator<Item = [T; 2]> + 'a {
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = [T; 2]> + 'a {
         self.iter().zip(self.iter().skip(1)).map(|(a, b)| [a, b])
     }
 }

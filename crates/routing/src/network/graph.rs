@@ -19,12 +19,12 @@ pub struct Edge {
     /// Length, millimetres.
     pub length: u32,
     /// Index of its tags among [`Network::way_tags`].
-    pub class: u32,
+    pub(crate) class: u32,
     /// Index of its name among [`Network::names`].
     pub name: u32,
     /// Index of its first point between its vertices among [`Network::points`]. The last one
     /// precedes the next edge's first.
-    pub first_point: u32,
+    pub(crate) first_point: u32,
 }
 
 /// A turn restriction, as the map has it.
@@ -64,27 +64,27 @@ pub struct Network {
     /// The places of the vertices.
     pub vertices: Column<Place>,
     /// For each vertex the index of its node's tags among [`Network::node_tags`].
-    pub vertex_classes: Column<u32>,
+    pub(crate) vertex_classes: Column<u32>,
     /// The edges, and one more whose first point is the end of the last edge's points.
     pub edges: Column<Edge>,
     /// The points of all edges between their vertices.
-    pub points: Column<Place>,
+    pub(crate) points: Column<Place>,
     /// The OSM nodes at those points.
-    pub nodes: Column<i64>,
+    pub(crate) nodes: Column<i64>,
     /// The OSM nodes at vertices.
-    pub vertex_nodes: Column<i64>,
+    pub(crate) vertex_nodes: Column<i64>,
     /// Sets of tags of ways; number 0 is the empty set.
-    pub way_tags: TagSets,
+    pub(crate) way_tags: TagSets,
     /// Sets of tags of nodes; number 0 is the empty set.
-    pub node_tags: TagSets,
+    pub(crate) node_tags: TagSets,
     /// For each edge the number of its way.
     pub ways: Column<i64>,
     /// Turn restrictions.
     pub restrictions: Column<Restriction>,
     /// The ways in between of all restrictions.
-    pub via_ways: Column<i64>,
+    pub(crate) via_ways: Column<i64>,
     /// Sets of tags of turn restrictions.
-    pub restriction_tags: TagSets,
+    pub(crate) restriction_tags: TagSets,
     /// Names of roads; number 0 is no name.
     pub names: RoadNames,
     /// Elements that could not be used.
@@ -137,7 +137,7 @@ impl Network {
 
     /// The vertices at which a directed edge begins and ends: twice the edge's number, and one more
     /// against its direction.
-    pub fn ends(&self, directed: u32) -> [u32; 2] {
+    pub(crate) fn ends(&self, directed: u32) -> [u32; 2] {
         let edge = &self.edges[directed as usize / 2];
         if directed.is_multiple_of(2) {
             [edge.from, edge.to]
@@ -148,14 +148,14 @@ impl Network {
 
     /// The points of an edge, from vertex to vertex.
     #[inline]
-    pub fn edge_points(&self, edge: u32) -> Chain<'_, Place> {
+    pub(crate) fn edge_points(&self, edge: u32) -> Chain<'_, Place> {
         let Edge { from, to, .. } = self.edges[edge as usize];
         let [from, to] = [from, to].map(|vertex| self.vertices[vertex as usize]);
         Chain::new(from, &self.points[self.between(edge)], to)
     }
 
     /// The OSM nodes of an edge.
-    pub fn edge_nodes(&self, edge: u32) -> Chain<'_, i64> {
+    pub(crate) fn edge_nodes(&self, edge: u32) -> Chain<'_, i64> {
         let Edge { from, to, .. } = self.edges[edge as usize];
         let [from, to] = [from, to].map(|vertex| self.vertex_nodes[vertex as usize]);
         Chain::new(from, &self.nodes[self.between(edge)], to)

@@ -4,10 +4,10 @@
 //! Edges are the pieces of ways between them. Tags that a profile may ask for are kept, each set of
 //! tags once, so that a profile can be changed without the map.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `graph` | [`Network`]: the rows of a network |
-//! | `chain` | [`Chain`]: items along an edge |
+//! | `chain` | `Chain`: items along an edge |
 //! | `tag_sets` | sets of tags and names, each kept once |
 //! | `elements` | the ways, nodes and squares that a network is built from |
 //! | `read` | reads these elements, out of all that a map holds |
@@ -30,7 +30,7 @@ mod tag_sets;
 mod timetable;
 mod visibility;
 
-pub use chain::Chain;
 pub use graph::{Edge, Network, NetworkReport, Restriction};
 pub(crate) use graph::{MOST_VIA_WAYS, Rows};
-pub use tag_sets::{RoadName, RoadNames, TagSets, Texts};
+pub use tag_sets::{RoadName, RoadNames};
+pub(crate) use tag_sets::{TagSets, Texts};

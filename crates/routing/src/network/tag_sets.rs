@@ -61,7 +61,7 @@ const SEPARATORS: [char; 2] = ['\u{1e}', '\u{1f}'];
 
 /// Texts by number, in one piece: a country has hundreds of thousands.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Texts {
+pub(crate) struct Texts {
     /// All texts, one after another.
     pub(crate) bytes: Column<u8>,
     /// The end of each text.
@@ -113,31 +113,26 @@ impl<'a> FromIterator<&'a str> for Texts {
 
 /// Sets of tags by number. Number 0 is the empty set.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct TagSets(pub(crate) Texts);
+pub(crate) struct TagSets(pub(crate) Texts);
 
 impl TagSets {
     /// The number of sets.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.0.ends.len()
     }
 
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.0.ends.is_empty()
-    }
-
     /// The tags of a set; none, if there is no such set.
-    pub fn get(&self, number: u32) -> Tags {
+    pub(crate) fn get(&self, number: u32) -> Tags {
         self.tags(number).map(|tag| (tag.key, tag.value)).collect()
     }
 
     /// All sets in order.
-    pub fn iter(&self) -> impl Iterator<Item = Tags> + '_ {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = Tags> + '_ {
         (0..self.len() as u32).map(|number| self.get(number))
     }
 
     /// Whether a set has `key` with exactly this `value`.
-    pub fn is(&self, number: u32, key: &str, value: &str) -> bool {
+    pub(crate) fn is(&self, number: u32, key: &str, value: &str) -> bool {
         self.tags(number).any(|tag| tag == TagRef { key, value })
     }
 

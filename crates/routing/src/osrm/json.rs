@@ -7,14 +7,14 @@ use crate::geo::Place;
 
 /// A JSON text under construction. Commas are inserted automatically.
 #[derive(Debug, Default)]
-pub struct Json {
+pub(crate) struct Json {
     text: Vec<u8>,
     comma: bool,
 }
 
 impl Json {
     /// The text.
-    pub fn into_bytes(self) -> Vec<u8> {
+    pub(crate) fn into_bytes(self) -> Vec<u8> {
         self.text
     }
 
@@ -25,12 +25,12 @@ impl Json {
     }
 
     /// An object with these members.
-    pub fn object(&mut self, members: impl FnOnce(&mut Self)) {
+    pub(crate) fn object(&mut self, members: impl FnOnce(&mut Self)) {
         self.within(b'{', b'}', members);
     }
 
     /// An array of these values.
-    pub fn array(&mut self, values: impl FnOnce(&mut Self)) {
+    pub(crate) fn array(&mut self, values: impl FnOnce(&mut Self)) {
         self.within(b'[', b']', values);
     }
 
@@ -44,7 +44,7 @@ impl Json {
     }
 
     /// The name of the value that follows.
-    pub fn key(&mut self, key: &str) -> &mut Self {
+    pub(crate) fn key(&mut self, key: &str) -> &mut Self {
         self.string(key);
         self.text.push(b':');
         self.comma = false;
@@ -52,7 +52,7 @@ impl Json {
     }
 
     /// A string.
-    pub fn string(&mut self, text: &str) {
+    pub(crate) fn string(&mut self, text: &str) {
         self.begin();
         self.text.push(b'"');
         for byte in text.bytes() {
@@ -66,39 +66,39 @@ impl Json {
     }
 
     /// `true` or `false`.
-    pub fn boolean(&mut self, value: bool) {
+    pub(crate) fn boolean(&mut self, value: bool) {
         self.begin();
         self.text
             .extend_from_slice(if value { b"true" } else { b"false" });
     }
 
     /// `null`.
-    pub fn null(&mut self) {
+    pub(crate) fn null(&mut self) {
         self.begin();
         self.text.extend_from_slice(b"null");
     }
 
     /// A whole number.
-    pub fn whole(&mut self, value: i64) {
+    pub(crate) fn whole(&mut self, value: i64) {
         self.begin();
         self.digits(value);
     }
 
     /// A number rounded to so many decimal places, without trailing zeros.
-    pub fn decimal(&mut self, value: f64, places: u32) {
+    pub(crate) fn decimal(&mut self, value: f64, places: u32) {
         let units = libm::round(value * 10_f64.powi(places as i32)) as i64;
         self.begin();
         self.fixed(units, places);
     }
 
     /// Hundredths of a second as seconds, rounded to a tenth.
-    pub fn seconds(&mut self, hundredths: u64) {
+    pub(crate) fn seconds(&mut self, hundredths: u64) {
         self.begin();
         self.fixed((hundredths as i64 + 5) / 10, 1);
     }
 
     /// Longitude and latitude, rounded to 1e-6 degrees.
-    pub fn place(&mut self, place: Place) {
+    pub(crate) fn place(&mut self, place: Place) {
         self.begin();
         self.text.push(b'[');
         for (i, units) in [place.lon, place.lat].into_iter().enumerate() {

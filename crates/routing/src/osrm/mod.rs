@@ -3,7 +3,7 @@
 //! Addresses, options, codes, members and numbers follow OSRM 26.10 as `benchmarks/routing/osrm.md`
 //! describes it.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `request` | parses requests |
 //! | `query` | the texts of a request: coordinates and options |
@@ -31,7 +31,7 @@ mod table;
 
 pub use failure::Failure;
 pub use request::{
-    Annotations, Geometries, Limits, NearestRequest, Overview, Places, Request, RouteRequest,
-    TableRequest,
+    Annotations, Geometries, Limits, NearestRequest, Overview, Request, RequestPlaces,
+    RouteRequest, TableRequest,
 };
 pub use service::{Answer, Service, ServiceMemory};

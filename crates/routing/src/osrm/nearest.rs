@@ -17,7 +17,7 @@ impl Service {
         memory: &mut ServiceMemory,
     ) -> Result<Vec<u8>, Failure> {
         let mut found = Vec::new();
-        for (place, options) in request.places.places.iter().zip(&request.places.snap) {
+        for (place, options) in request.places.coordinates.iter().zip(&request.places.snap) {
             let number = request.number;
             let near = several(
                 &self.roads,

@@ -3,7 +3,7 @@
 use crate::geo::Place;
 
 /// A line with so many decimal places, 5 or 6.
-pub fn encode(points: &[Place], places: u32) -> String {
+pub(crate) fn encode(points: &[Place], places: u32) -> String {
     let divisor = 10_i64.pow(7 - places);
     let rounded = |units: i32| {
         let units = i64::from(units);
@@ -30,7 +30,7 @@ fn push(text: &mut String, step: i64) {
 }
 
 /// The line's latitudes and longitudes; `None` if the text is malformed.
-pub fn decode(text: &str, places: u32) -> Option<Vec<[f64; 2]>> {
+pub(crate) fn decode(text: &str, places: u32) -> Option<Vec<[f64; 2]>> {
     let (mut bytes, mut line, mut now) = (text.bytes(), Vec::new(), [0_i64; 2]);
     let scale = 10_f64.powi(places as i32);
     while bytes.len() > 0 {

@@ -18,9 +18,9 @@ pub enum Request {
 
 /// The places of a request.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Places {
+pub struct RequestPlaces {
     /// Their positions.
-    pub places: Vec<Place>,
+    pub coordinates: Vec<Place>,
     /// How each of them is snapped to the network; as many as places.
     pub snap: Vec<SnapOptions>,
     /// Whether the answer contains hints.
@@ -76,7 +76,7 @@ pub struct Annotations {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RouteRequest {
     /// The places to visit.
-    pub places: Places,
+    pub places: RequestPlaces,
     /// How many alternatives are wanted.
     pub alternatives: usize,
     /// Whether to give instructions.
@@ -97,7 +97,7 @@ pub struct RouteRequest {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct NearestRequest {
     /// The places.
-    pub places: Places,
+    pub places: RequestPlaces,
     /// How many stretches of road per place.
     pub number: usize,
 }
@@ -106,7 +106,7 @@ pub struct NearestRequest {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TableRequest {
     /// The places.
-    pub places: Places,
+    pub places: RequestPlaces,
     /// Indices of the sources; all if none are named.
     pub sources: Vec<usize>,
     /// Indices of the targets; all if none are named.
@@ -199,11 +199,11 @@ impl Request {
     }
 }
 
-impl Places {
-    fn new(places: Vec<Place>) -> Self {
-        let snap = vec![SnapOptions::default(); places.len()];
+impl RequestPlaces {
+    fn new(coordinates: Vec<Place>) -> Self {
+        let snap = vec![SnapOptions::default(); coordinates.len()];
         Self {
-            places,
+            coordinates,
             snap,
             hints: true,
             skip_waypoints: false,
@@ -254,20 +254,20 @@ impl Places {
     /// One value for each place.
     fn list<'a>(&self, option: &'a Setting<'_>) -> Result<Vec<&'a str>, Failure> {
         let values: Vec<&str> = option.value.split(';').collect();
-        if values.len() == self.places.len() {
+        if values.len() == self.coordinates.len() {
             return Ok(values);
         }
         let message = format!(
             "Number of elements in {} size {} does not match coordinate size {}",
             option.key,
             values.len(),
-            self.places.len()
+            self.coordinates.len()
         );
         Err(Failure::new("InvalidOptions", message))
     }
 
     fn at_least_two(&self) -> Result<(), Failure> {
-        if self.places.len() >= 2 {
+        if self.coordinates.len() >= 2 {
             return Ok(());
         }
         Err(Failure::new(
@@ -291,7 +291,7 @@ impl RouteRequest {
     /// A request for the route through some places, without options.
     pub fn through(places: Vec<Place>) -> Self {
         Self {
-            places: Places::new(places),
+            places: RequestPlaces::new(places),
             ..Self::default()
         }
     }
@@ -301,7 +301,7 @@ impl RouteRequest {
         request.places.at_least_two()?;
         too_big(
             "Number of entries",
-            request.places.places.len(),
+            request.places.coordinates.len(),
             limits.route,
         )?;
         for option in options {
@@ -341,7 +341,7 @@ impl RouteRequest {
     }
 
     fn check_waypoints(&self) -> Result<(), Failure> {
-        let (waypoints, last) = (&self.waypoints, self.places.places.len() - 1);
+        let (waypoints, last) = (&self.waypoints, self.places.coordinates.len() - 1);
         if waypoints.is_empty() {
             return Ok(());
         }
@@ -391,7 +391,7 @@ fn annotations(words: &str) -> Option<Annotations> {
 impl NearestRequest {
     fn new(places: Vec<Place>, options: &[Setting<'_>], limits: &Limits) -> Result<Self, Failure> {
         let mut request = Self {
-            places: Places::new(places),
+            places: RequestPlaces::new(places),
             number: 1,
         };
         for option in options {
@@ -412,7 +412,7 @@ impl NearestRequest {
         too_big("Number of results", request.number, limits.nearest)?;
         too_big(
             "Number of coordinates",
-            request.places.places.len(),
+            request.places.coordinates.len(),
             limits.nearest,
         )?;
         Ok(request)
@@ -423,7 +423,7 @@ impl TableRequest {
     /// A request for the durations between all places.
     pub fn between(places: Vec<Place>) -> Self {
         Self {
-            places: Places::new(places),
+            places: RequestPlaces::new(places),
             duration: true,
             scale: 1.0,
             ..Self::default()
@@ -433,7 +433,7 @@ impl TableRequest {
     fn new(places: Vec<Place>, options: &[Setting<'_>], limits: &Limits) -> Result<Self, Failure> {
         let mut request = Self::between(places);
         request.places.at_least_two()?;
-        if request.places.places.len() > limits.table {
+        if request.places.coordinates.len() > limits.table {
             return Err(Failure::new("TooBig", "Too many table coordinates"));
         }
         let positive = |option: &Setting<'_>| {
@@ -467,7 +467,7 @@ impl TableRequest {
                 _ => return Err(option.fail()),
             }
         }
-        let count = request.places.places.len();
+        let count = request.places.coordinates.len();
         if request.sources.len().max(request.destinations.len()) > count {
             return Err(Failure::new(
                 "InvalidOptions",

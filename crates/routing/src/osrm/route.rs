@@ -42,7 +42,7 @@ impl Service {
         request: &RouteRequest,
         memory: &mut ServiceMemory,
     ) -> Result<Vec<u8>, Failure> {
-        if request.places.places.len() < 2 {
+        if request.places.coordinates.len() < 2 {
             let message = "Number of coordinates needs to be at least two.";
             return Err(Failure::new("InvalidOptions", message));
         }

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::json::Json;
-use super::request::{Limits, Places, Request};
+use super::request::{Limits, Request, RequestPlaces};
 use crate::leg::Memory;
 use crate::metric::Metric;
 use crate::position::{Position, Snap};
@@ -90,11 +90,11 @@ impl Service {
     /// The positions of each of the places; in a component that contains them all, if there is one.
     pub(super) fn positions(
         &self,
-        places: &Places,
+        places: &RequestPlaces,
         memory: &mut Nearest,
     ) -> Result<Vec<Vec<Position>>, Failure> {
-        let mut snaps = Vec::with_capacity(places.places.len());
-        for (i, (place, options)) in places.places.iter().zip(&places.snap).enumerate() {
+        let mut snaps = Vec::with_capacity(places.coordinates.len());
+        for (i, (place, options)) in places.coordinates.iter().zip(&places.snap).enumerate() {
             let snap = Snap::new(&self.roads, &self.metric, *place, options, memory);
             if snap.nearest.is_empty() {
                 let message = format!("Could not find a matching segment for coordinate {i}");

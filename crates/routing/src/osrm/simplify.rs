@@ -17,7 +17,7 @@ const FINEST: (i32, f64) = (18, 67_600.0);
 
 /// The points of some lines that are kept, where each line begins at the end of the one before. The
 /// first and the last point of each line are always kept.
-pub fn simplified(lines: &[&[Place]]) -> Vec<Place> {
+pub(crate) fn simplified(lines: &[&[Place]]) -> Vec<Place> {
     let points: Vec<Vec<[f64; 2]>> = lines
         .iter()
         .map(|line| line.iter().map(mercator).collect())

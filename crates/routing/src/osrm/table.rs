@@ -101,7 +101,7 @@ fn straight_line(request: &TableRequest, positions: &[Vec<Position>], ends: [usi
     let [a, b] = if request.fallback_snapped {
         ends.map(|i| positions[i][0].place)
     } else {
-        ends.map(|i| request.places.places[i])
+        ends.map(|i| request.places.coordinates[i])
     };
     distance(a, b)
 }

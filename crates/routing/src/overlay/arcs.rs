@@ -26,7 +26,7 @@ pub struct Arcs {
     /// direction.
     pub via: Vec<u32>,
     /// The highest layer in which the two states are in different cells; 0 if there is none.
-    pub border: Vec<u8>,
+    pub(crate) border: Vec<u8>,
 }
 
 impl Arcs {
@@ -56,7 +56,7 @@ impl Arcs {
     }
 
     /// Whether each arc has exactly one in the opposite direction along the same edge.
-    pub fn is_symmetric(&self) -> bool {
+    pub(crate) fn is_symmetric(&self) -> bool {
         let mut ends = vec![
             [NONE; 2];
             self.via
@@ -76,7 +76,7 @@ impl Arcs {
     }
 
     /// The same arcs, by the states that they lead to.
-    pub fn reversed(&self) -> Self {
+    pub(crate) fn reversed(&self) -> Self {
         let back = |(from, slot): (u32, usize)| Arc {
             from: self.head[slot],
             to: from,

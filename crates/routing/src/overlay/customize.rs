@@ -27,15 +27,15 @@ pub struct Cliques {
     /// For each cell a matrix with a row for each entry: the distances to the exits.
     pub rows: Vec<u32>,
     /// The same transposed: a row for each exit.
-    pub columns: Vec<u32>,
+    pub(crate) columns: Vec<u32>,
     /// For each entry of a cell and each index inside: the index that precedes it on the shortest
     /// path, counted from the cell's first one. [`UNREACHED`] if there is no path; itself where the
     /// search began.
-    pub trees: Vec<u16>,
+    pub(crate) trees: Vec<u16>,
 }
 
 /// No index.
-pub const UNREACHED: u16 = u16::MAX;
+pub(crate) const UNREACHED: u16 = u16::MAX;
 
 impl Cliques {
     /// The cliques of all layers.

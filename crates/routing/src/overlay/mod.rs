@@ -11,7 +11,7 @@
 //!
 //! None of this depends on a profile. Delling et al. 2017 call it the overlay's topology.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `arcs` | states and arcs |
 //! | `customize` | distances through cells, for a profile |
@@ -20,7 +20,8 @@ mod arcs;
 mod customize;
 
 pub use arcs::{Arc, Arcs, NONE};
-pub use customize::{Cliques, UNREACHED, Weights};
+pub(crate) use customize::UNREACHED;
+pub use customize::{Cliques, Weights};
 
 /// The weight from which on there is no path. Two weights up to it can be added without overflow.
 pub const FAR: u32 = i32::MAX as u32;
@@ -32,46 +33,41 @@ const MOST_NUMBERS_PER_STATE: u64 = 64;
 #[derive(Debug, Clone, Default)]
 pub struct Layer {
     /// For each cell its first slot, and the end of the last one's.
-    pub first: Vec<u32>,
+    pub(crate) first: Vec<u32>,
     /// For each cell where its entries end.
-    pub entries_end: Vec<u32>,
+    pub(crate) entries_end: Vec<u32>,
     /// For each cell where its exits begin.
-    pub exits_begin: Vec<u32>,
+    pub(crate) exits_begin: Vec<u32>,
     /// For each slot its state.
     pub state: Vec<u32>,
     /// For each slot its index in the layer below.
-    pub below: Vec<u32>,
+    pub(crate) below: Vec<u32>,
     /// For each index in the layer below its slot, or [`NONE`].
-    pub slot: Vec<u32>,
+    pub(crate) slot: Vec<u32>,
     /// For each cell the begin of its inside in the layer below, and the end of the last one's.
-    pub inner: Vec<u32>,
+    pub(crate) inner: Vec<u32>,
     /// For each cell the begin of its matrix, and the end of the last one.
-    pub matrix: Vec<u64>,
+    pub(crate) matrix: Vec<u64>,
     /// For each cell the begin of its trees, and the end of the last one's: a tree for each entry,
     /// over all indices inside.
-    pub trees: Vec<u64>,
+    pub(crate) trees: Vec<u64>,
     /// For each cell of the lowest layer the cell of this layer that contains it.
-    pub cell_of_leaf: Vec<u32>,
+    pub(crate) cell_of_leaf: Vec<u32>,
 }
 
 impl Layer {
-    /// A cell's slots.
-    pub fn slots(&self, cell: u32) -> std::ops::Range<usize> {
-        self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize
-    }
-
     /// A cell's entries.
-    pub fn entries(&self, cell: u32) -> std::ops::Range<usize> {
+    pub(crate) fn entries(&self, cell: u32) -> std::ops::Range<usize> {
         self.first[cell as usize] as usize..self.entries_end[cell as usize] as usize
     }
 
     /// A cell's exits.
-    pub fn exits(&self, cell: u32) -> std::ops::Range<usize> {
+    pub(crate) fn exits(&self, cell: u32) -> std::ops::Range<usize> {
         self.exits_begin[cell as usize] as usize..self.first[cell as usize + 1] as usize
     }
 
     /// The inside of a cell, as indices of the layer below.
-    pub fn inner(&self, cell: u32) -> std::ops::Range<usize> {
+    pub(crate) fn inner(&self, cell: u32) -> std::ops::Range<usize> {
         self.inner[cell as usize] as usize..self.inner[cell as usize + 1] as usize
     }
 
@@ -104,7 +100,7 @@ pub struct Overlay {
     /// it.
     into: Option<Arcs>,
     /// For each state its cell in the lowest layer.
-    pub leaf: Vec<u32>,
+    pub(crate) leaf: Vec<u32>,
     /// Layers 1, 2, …
     pub layers: Vec<Layer>,
 }
@@ -214,15 +210,22 @@ impl Overlay {
             .map_or_else(|| self.out.via[slot] ^ 1, |into| into.via[slot])
     }
 
+    /// The number of edges between cells of a layer, which is counted from 0.
+    pub fn edges_between_cells(&self, layer: usize) -> usize {
+        let is_between = |border: &&u8| usize::from(**border) > layer;
+        // An edge has an arc in each direction.
+        self.out.border.iter().filter(is_between).count() / 2
+    }
+
     /// The cell of a state in a layer, which is counted from 0.
     #[inline]
-    pub fn cell(&self, layer: usize, state: u32) -> u32 {
+    pub(crate) fn cell(&self, layer: usize, state: u32) -> u32 {
         self.layers[layer].cell_of_leaf[self.leaf[state as usize] as usize]
     }
 
     /// The index of a state in a layer; [`NONE`] if it is on no border there.
     #[inline]
-    pub fn index(&self, height: usize, state: u32) -> u32 {
+    pub(crate) fn index(&self, height: usize, state: u32) -> u32 {
         let mut index = state;
         for layer in &self.layers[..height] {
             if index == NONE {

@@ -8,7 +8,7 @@
 //! largest cells, these until they fit the next smaller ones, and so on. Each cell is a range of
 //! vertices if these are in the order in which bisection leaves them.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `inertial` | bisection with few edges between the halves |
 //! | `flow` | minimum cuts |

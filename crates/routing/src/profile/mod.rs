@@ -4,7 +4,7 @@
 //! most specific mode counts, and tags for one direction count before tags for both. Tags that hold
 //! at some times only are ignored.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `rules` | the content of such a file |
 //! | `way` | the rules applied to a way's tags |
@@ -18,9 +18,10 @@ use std::path::Path;
 
 use openbench_osm::Tags;
 
-pub use node::Passing;
-pub use rules::{OutOfRange, Places, Turns};
-pub use way::Travel;
+pub(crate) use node::Passing;
+pub use rules::OutOfRange;
+pub(crate) use rules::{Places, Turns};
+pub(crate) use way::Travel;
 pub(crate) use way::{CROSSING, TIMETABLE};
 
 use rules::Rules;
@@ -171,17 +172,17 @@ impl Profile {
     }
 
     /// Whether pedestrian areas are crossed or walked around.
-    pub fn places(&self) -> Places {
+    pub(crate) fn places(&self) -> Places {
         self.rules.places
     }
 
     /// The costs of turns, if turns matter.
-    pub fn turns(&self) -> Option<&Turns> {
+    pub(crate) fn turns(&self) -> Option<&Turns> {
         self.rules.turns.as_ref()
     }
 
     /// What a turn restriction with these tags means to the profile; `None` if it does not bind it.
-    pub fn restricts(&self, tags: &Tags) -> Option<RestrictionKind> {
+    pub(crate) fn restricts(&self, tags: &Tags) -> Option<RestrictionKind> {
         let modes = &self.turns()?.restrictions;
         let is_exempt = |list: &str| {
             list.split(';')
@@ -201,7 +202,7 @@ impl Profile {
     }
 
     /// The weight, in seconds, of entering places that are closed to through traffic.
-    pub fn entry(&self) -> f64 {
+    pub(crate) fn entry(&self) -> f64 {
         self.rules.access.entry
     }
 }

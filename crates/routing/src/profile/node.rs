@@ -16,7 +16,7 @@ pub struct Passing {
 
 impl Profile {
     /// The cost of passing a node with these tags; `None` if it cannot be passed.
-    pub fn node(&self, tags: &Tags) -> Option<Passing> {
+    pub(crate) fn node(&self, tags: &Tags) -> Option<Passing> {
         if tags.is_empty() {
             return Some(Passing::default());
         }

@@ -9,7 +9,7 @@
 //! What is settled is a *label*: a state in its layer. Labels of layer 0 are the states, those of
 //! layer 1 follow, and so on.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `graph` | the graph that is searched, and the ends of a search |
 //! | `side` | one direction of a search |

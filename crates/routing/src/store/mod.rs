@@ -11,7 +11,7 @@
 //! Sections are rows of the types of [`Network`](crate::network::Network) and of the tree of
 //! segments. Tags are UTF-8, followed by the end of each set of tags.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `column` | [`Column`]: rows of numbers, in memory or in a mapped file |
 //! | `map` | memory mapping |

@@ -6,7 +6,7 @@ use openbench_core::RobotDescription;
 use openbench_motion::follower::{self, Tolerance};
 use openbench_motion::local::built_in::built_in;
 use openbench_motion::local::{LocalPlanners, PlannerError, PlannerSettings};
-use openbench_motion::navigator::{Cause, NavigatorError};
+use openbench_motion::{FailureReason, NavigatorError};
 use serde::{Serialize, Serializer};
 
 use openbench_bench::run::threads;
@@ -408,7 +408,10 @@ fn quantile(ascending: &[f64], share: f64) -> f64 {
 
 /// Whether a scene without a motion was given up for that reason.
 fn is_right_refusal(end: &End) -> bool {
-    matches!(end, End::GaveUp(Cause::NoWay(_) | Cause::TooNarrow(_)))
+    matches!(
+        end,
+        End::GaveUp(FailureReason::NoPath(_) | FailureReason::TooNarrow(_))
+    )
 }
 
 fn failures(outcome: &SceneOutcome) -> Vec<Failure> {
@@ -474,7 +477,7 @@ mod tests {
     }
 
     fn no_way() -> End {
-        End::GaveUp(Cause::NoWay(PlanError::NoWay(
+        End::GaveUp(FailureReason::NoPath(PlanError::NoPath(
             MapPoint::default(),
             MapPoint::new(1.0, 0.0),
         )))

@@ -10,13 +10,13 @@ use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 use openbench_motion::Limits;
 use openbench_motion::Motion;
 use openbench_motion::feasible::clearance;
-use openbench_motion::navigator::{Cause, NavigatorError};
 use openbench_motion::recovery::Step;
-use openbench_motion::teb::classes::{Explorer, Exploring};
+use openbench_motion::teb::{Explorer, Exploring};
 use openbench_motion::{
     Blocked, Footprint, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress,
     Situation, Surroundings, Vector2,
 };
+use openbench_motion::{FailureReason, NavigatorError};
 
 use super::scene::Scene;
 
@@ -47,7 +47,7 @@ pub enum End {
     /// The navigator reported arrival outside the tolerance of the goal.
     Mistaken,
     /// The navigator gave up.
-    GaveUp(Cause),
+    GaveUp(FailureReason),
     /// The time limit expired.
     Timeout,
 }
@@ -81,13 +81,13 @@ struct SceneGuide<'a> {
 }
 
 impl Guide for SceneGuide<'_> {
-    fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
+    fn path(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
         let paths = self.explorer.explore(from, to, &self.standing, &self.how);
         paths
             .into_iter()
             .next()
             .map(|path| path.corners)
-            .ok_or(PlanError::NoWay(from, to))
+            .ok_or(PlanError::NoPath(from, to))
     }
 
     fn is_blocked(&self, _path: &[MapPoint], _from: MapPoint) -> bool {
@@ -112,8 +112,8 @@ impl LocalPlanner for Timed {
         decided
     }
 
-    fn among_people(&self, situation: &Situation<'_>, velocity: Velocity) -> Velocity {
-        self.planner.among_people(situation, velocity)
+    fn limit_near_people(&self, situation: &Situation<'_>, velocity: Velocity) -> Velocity {
+        self.planner.limit_near_people(situation, velocity)
     }
 
     fn reset(&mut self) {

@@ -13,7 +13,7 @@ use openbench_agents::open::terrain::Terrain;
 use openbench_core::{Event, Events, MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 use openbench_localization::Localizer;
 use openbench_motion::LocalPlanner;
-use openbench_motion::costmap::ground::Preferences;
+use openbench_motion::costmap::Preferences;
 use openbench_osm::OsmMap;
 use openbench_sim::noise::Noise;
 use openbench_sim::traffic::Encounters;

@@ -14,13 +14,13 @@ use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity};
 use openbench_geometry::grid::GridGeometry;
 use openbench_motion::Limits;
 use openbench_motion::feasible::clearance;
-use openbench_motion::recovery::maneuver::maneuver;
-use openbench_motion::teb::classes::{Explorer, Exploring};
-use openbench_motion::teb::optimize::{Effort, Optimizer};
-use openbench_motion::teb::settings::{Margins, Settings, Weights};
-use openbench_motion::teb::terms::Problem;
+use openbench_motion::recovery::maneuver;
+use openbench_motion::teb::Problem;
+use openbench_motion::teb::{Effort, Optimizer};
+use openbench_motion::teb::{Explorer, Exploring};
+use openbench_motion::teb::{Margins, Settings, Weights};
 use openbench_motion::trajectory::Resolution;
-use openbench_motion::trajectory::{Band, Knot};
+use openbench_motion::trajectory::{TimedPose, Trajectory};
 use openbench_motion::{Footprint, Obstacle, Vector2};
 
 use super::drive::{CYCLE_S, is_there};
@@ -42,7 +42,8 @@ const WAIT_STEP_S: f64 = 0.25;
 const MAX_WAITS: u32 = 40;
 /// Maximum lateral share of the motion of the wheel rims, which allows for rounding.
 const MAX_LATERAL_SHARE: f64 = 0.01;
-/// Scale of the times of a band from which on it is not tried. It would hardly be the fastest.
+/// Scale of the times of a trajectory from which on it is not tried. It would hardly be the
+/// fastest.
 const MAX_SLOWDOWN: f64 = 1.2;
 /// Time between two poses that are checked for collisions.
 const CHECK_STEP_S: f64 = 0.01;
@@ -64,7 +65,7 @@ pub enum Reference {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceMotion {
     /// The motion, from rest to rest.
-    pub band: Band,
+    pub trajectory: Trajectory,
     /// Time from which it stays within the tolerance of the goal, seconds.
     pub arrival_s: f64,
 }
@@ -83,9 +84,9 @@ pub fn reference_motion(scene: &Scene, robot: &RobotDescription) -> Option<Refer
         .drafts()
         .into_iter()
         .filter_map(|draft| search.settle(&draft))
-        .map(|band| ReferenceMotion {
-            arrival_s: arrival(&band, search.goal),
-            band,
+        .map(|trajectory| ReferenceMotion {
+            arrival_s: arrival(&trajectory, search.goal),
+            trajectory,
         })
         .min_by(|a, b| a.arrival_s.total_cmp(&b.arrival_s));
     Some(match fastest {
@@ -111,19 +112,19 @@ pub fn improved_duration(
         limits: &limits,
         goal: true_goal(scene),
     };
-    let mut knots: Vec<Knot> = Vec::with_capacity(track.len());
+    let mut knots: Vec<TimedPose> = Vec::with_capacity(track.len());
     for (i, &pose) in track.iter().enumerate() {
         let yaw = knots
             .last()
             .map_or(pose.yaw, |k| k.pose.yaw + wrap_angle(pose.yaw - k.pose.yaw));
-        knots.push(Knot {
+        knots.push(TimedPose {
             pose: Pose2 { yaw, ..pose },
             time: i as f64 * seconds,
         });
     }
     search
-        .settle(&Band::new(knots)?)
-        .map(|band| arrival(&band, search.goal))
+        .settle(&Trajectory::new(knots)?)
+        .map(|trajectory| arrival(&trajectory, search.goal))
 }
 
 /// The true pose at which the estimate, after its jump, is the goal.
@@ -163,9 +164,9 @@ impl Search<'_> {
         }
     }
 
-    /// Initial bands: all homotopy classes, both directions of the first and last turn, with waits
-    /// and lateral offsets if an obstacle moves, and maneuvers.
-    fn drafts(&self) -> Vec<Band> {
+    /// Initial trajectories: all homotopy classes, both directions of the first and last turn,
+    /// maneuvers, and with waits and lateral offsets if an obstacle moves.
+    fn drafts(&self) -> Vec<Trajectory> {
         let (start, obstacles) = (self.scene.start, &self.scene.obstacles);
         let static_obstacles: Vec<Obstacle> = obstacles
             .iter()
@@ -192,7 +193,7 @@ impl Search<'_> {
             // Only if the path leads backwards, turning either way takes about the same time.
             for side in [-1.0, 1.0].into_iter().take(1 + usize::from(behind)) {
                 let along = |corners: &[MapPoint]| {
-                    Band::along(start, corners, Some(self.goal.yaw), self.limits, side)
+                    Trajectory::along(start, corners, Some(self.goal.yaw), self.limits, side)
                 };
                 let plain = along(&path.corners[1..]);
                 drafts.extend(plain.as_ref().and_then(with_opposite_last_turn));
@@ -201,8 +202,9 @@ impl Search<'_> {
                     let shifted = OFFSETS_M
                         .iter()
                         .filter_map(|offset| along(&offset_path(&path.corners, *offset)));
-                    drafts.extend(shifted.flat_map(|band| {
-                        DRAFT_WAITS_S.map(|wait| band.delayed(wait).unwrap_or(band.clone()))
+                    drafts.extend(shifted.flat_map(|trajectory| {
+                        DRAFT_WAITS_S
+                            .map(|wait| trajectory.delayed(wait).unwrap_or(trajectory.clone()))
                     }));
                 }
             }
@@ -223,18 +225,18 @@ impl Search<'_> {
     }
 
     /// Backwards for `length` metres, then along the path.
-    fn backed(&self, corners: &[MapPoint], length: f64) -> Option<Band> {
+    fn backed(&self, corners: &[MapPoint], length: f64) -> Option<Trajectory> {
         let start = self.scene.start;
         let back = start.transform(-length, 0.0);
         let from = Pose2::new(back.x, back.y, start.yaw);
         let seconds = length / self.limits.backward;
-        let rest = Band::along(from, &corners[1..], Some(self.goal.yaw), self.limits, 1.0)?;
-        let later = rest.knots().iter().map(|k| Knot {
+        let rest = Trajectory::along(from, &corners[1..], Some(self.goal.yaw), self.limits, 1.0)?;
+        let later = rest.poses().iter().map(|k| TimedPose {
             time: k.time + seconds,
             ..*k
         });
-        Band::new(
-            std::iter::once(Knot {
+        Trajectory::new(
+            std::iter::once(TimedPose {
                 pose: start,
                 time: 0.0,
             })
@@ -244,38 +246,43 @@ impl Search<'_> {
     }
 
     /// The fastest motion from a draft: the draft itself, or optimized with one of the clearances.
-    fn settle(&self, draft: &Band) -> Option<Band> {
+    fn settle(&self, draft: &Trajectory) -> Option<Trajectory> {
         let improved = CLEARANCES_M
             .iter()
             .map(|least| self.improved(draft, *least));
         let settled = improved
             .chain([draft.clone()])
-            .filter_map(|band| self.timed(&band));
+            .filter_map(|trajectory| self.timed(&trajectory));
         self.earliest(settled)
     }
 
     /// The motion that first reaches the tolerance of the goal.
-    fn earliest(&self, bands: impl Iterator<Item = Band>) -> Option<Band> {
-        bands.min_by(|a, b| arrival(a, self.goal).total_cmp(&arrival(b, self.goal)))
+    fn earliest(&self, trajectories: impl Iterator<Item = Trajectory>) -> Option<Trajectory> {
+        trajectories.min_by(|a, b| arrival(a, self.goal).total_cmp(&arrival(b, self.goal)))
     }
 
-    /// The fastest collision-free timing of a band's path: its own times, slowed to the robot's
-    /// limits, or the shortest times, after a wait at the start if an obstacle moves.
-    fn timed(&self, band: &Band) -> Option<Band> {
-        let shortest = retimed(band, self.limits);
+    /// The fastest collision-free timing of a trajectory's path: its own times, slowed to the
+    /// robot's limits, or the shortest times, after a wait at the start if an obstacle moves.
+    fn timed(&self, trajectory: &Trajectory) -> Option<Trajectory> {
+        let shortest = retimed(trajectory, self.limits);
         let moving = self.scene.obstacles.iter().any(Obstacle::is_moving);
         let waits = (1..=MAX_WAITS)
             .take_while(|_| moving)
             .map(|i| f64::from(i) * WAIT_STEP_S);
         let delayed = waits.filter_map(|wait| shortest.as_ref()?.delayed(wait));
-        let mut bands = shortest.iter().cloned().chain(delayed);
-        let at_once = bands.find_map(|band| self.slowed(&band).filter(|band| self.is_clear(band)));
+        let mut trajectories = shortest.iter().cloned().chain(delayed);
+        let at_once = trajectories.find_map(|trajectory| {
+            self.slowed(&trajectory)
+                .filter(|trajectory| self.is_clear(trajectory))
+        });
         // Where an obstacle moves, the shortest times may collide and the draft's own may not.
-        let as_it_is = self.slowed(band).filter(|band| self.is_clear(band));
+        let as_it_is = self
+            .slowed(trajectory)
+            .filter(|trajectory| self.is_clear(trajectory));
         self.earliest(at_once.into_iter().chain(as_it_is))
     }
 
-    fn improved(&self, draft: &Band, least: f64) -> Band {
+    fn improved(&self, draft: &Trajectory, least: f64) -> Trajectory {
         let mut settings = self.settings();
         settings.margins = Margins {
             least,
@@ -292,19 +299,19 @@ impl Search<'_> {
             end_yaw: true,
             side: 0.0,
         };
-        let mut band = draft.clone();
-        Optimizer::default().improve(&mut band, &problem, &[], &Effort::PATIENT);
-        band
+        let mut trajectory = draft.clone();
+        Optimizer::default().improve(&mut trajectory, &problem, &[], &Effort::PATIENT);
+        trajectory
     }
 
-    /// The band with all times scaled so that no limit is exceeded; `None` if they would need a
-    /// scale of [`MAX_SLOWDOWN`] or more.
-    fn slowed(&self, band: &Band) -> Option<Band> {
-        let knots = band.knots();
+    /// The trajectory with all times scaled so that no limit is exceeded; `None` if they would need
+    /// a scale of [`MAX_SLOWDOWN`] or more.
+    fn slowed(&self, trajectory: &Trajectory) -> Option<Trajectory> {
+        let knots = trajectory.poses();
         let mut ratio = 1.0_f64;
         let mut before: Option<(Velocity, f64)> = None;
         for i in 0..knots.len() - 1 {
-            let (v, seconds) = (band.velocity(i), knots[i + 1].time - knots[i].time);
+            let (v, seconds) = (trajectory.velocity(i), knots[i + 1].time - knots[i].time);
             ratio = ratio
                 .max(v.linear / self.limits.forward)
                 .max(-v.linear / self.limits.backward);
@@ -319,11 +326,11 @@ impl Search<'_> {
             let braking = self.rims(v, Velocity::ZERO) / (seconds / 2.0);
             ratio = ratio.max((braking / self.limits.acceleration).sqrt());
         }
-        // Segments of almost no duration at the ends would otherwise slow the whole band.
-        Band::new(
+        // Segments of almost no duration at the ends would otherwise slow the whole trajectory.
+        Trajectory::new(
             knots
                 .iter()
-                .map(|k| Knot {
+                .map(|k| TimedPose {
                     time: k.time * ratio,
                     ..*k
                 })
@@ -341,27 +348,33 @@ impl Search<'_> {
         (v + w).abs().max((v - w).abs())
     }
 
-    /// Whether the footprint collides nowhere, or no deeper than at the start, and the band
+    /// Whether the footprint collides nowhere, or no deeper than at the start, and the trajectory
     /// respects the non-holonomic constraint.
-    fn is_clear(&self, band: &Band) -> bool {
+    fn is_clear(&self, trajectory: &Trajectory) -> bool {
         let (obstacles, footprint) = (&self.scene.obstacles, self.footprint);
         let mut floor = f64::NEG_INFINITY;
-        let steps = (band.duration() / CHECK_STEP_S).ceil() as usize;
+        let steps = (trajectory.duration() / CHECK_STEP_S).ceil() as usize;
         (0..=steps).all(|i| {
-            let time = (i as f64 * CHECK_STEP_S).min(band.duration());
-            let clear = clearance(footprint, obstacles.iter(), band.pose_at(time), time, 0.1);
+            let time = (i as f64 * CHECK_STEP_S).min(trajectory.duration());
+            let clear = clearance(
+                footprint,
+                obstacles.iter(),
+                trajectory.pose_at(time),
+                time,
+                0.1,
+            );
             // A robot may start in contact, within rounding.
             if i == 0 {
                 floor = clear.min(0.0);
             }
             clear >= floor
-        }) && self.is_drivable(band)
+        }) && self.is_drivable(trajectory)
     }
 
     /// Whether the lateral motion is below the maximum share, as the non-holonomic constraint
     /// demands.
-    fn is_drivable(&self, band: &Band) -> bool {
-        let slips = band.knots().windows(2).map(|w| {
+    fn is_drivable(&self, trajectory: &Trajectory) -> bool {
+        let slips = trajectory.poses().windows(2).map(|w| {
             let turn = self.limits.half_track * (w[1].pose.yaw - w[0].pose.yaw);
             let (sin, cos) = libm::sincos((w[0].pose.yaw + w[1].pose.yaw) / 2.0);
             let (dx, dy) = (w[1].pose.x - w[0].pose.x, w[1].pose.y - w[0].pose.y);
@@ -469,26 +482,27 @@ fn flood(grid: &GridGeometry, blocked: &mut [bool], from: usize, target: Option<
     }
 }
 
-/// The band with its last turn in the opposite direction; `None` if that turn is a radian or less.
-fn with_opposite_last_turn(band: &Band) -> Option<Band> {
-    let mut knots = band.knots().to_vec();
+/// The trajectory with its last turn in the opposite direction; `None` if that turn is a radian or
+/// less.
+fn with_opposite_last_turn(trajectory: &Trajectory) -> Option<Trajectory> {
+    let mut knots = trajectory.poses().to_vec();
     let before = knots[knots.len().checked_sub(2)?].pose.yaw;
     let last = knots.last_mut()?;
     let turn = last.pose.yaw - before;
     last.pose.yaw -= std::f64::consts::TAU.copysign(turn);
     // An initial time at 1 rad/s; the optimizer improves it.
     last.time += std::f64::consts::TAU - 2.0 * turn.abs();
-    (turn.abs() > 1.0).then(|| Band::new(knots)).flatten()
+    (turn.abs() > 1.0).then(|| Trajectory::new(knots)).flatten()
 }
 
-/// The time, in seconds, from which a band stays within the tolerance of its goal.
-fn arrival(band: &Band, goal: Pose2) -> f64 {
-    let steps = (band.duration() / CYCLE_S) as usize;
+/// The time, in seconds, from which a trajectory stays within the tolerance of its goal.
+fn arrival(trajectory: &Trajectory, goal: Pose2) -> f64 {
+    let steps = (trajectory.duration() / CYCLE_S) as usize;
     let away = (0..=steps)
         .rev()
-        .find(|&i| !is_there(band.pose_at(i as f64 * CYCLE_S), goal));
+        .find(|&i| !is_there(trajectory.pose_at(i as f64 * CYCLE_S), goal));
     away.map_or(0.0, |i| (i + 1) as f64 * CYCLE_S)
-        .min(band.duration())
+        .min(trajectory.duration())
 }
 
 /// A path through the middle between the ends of another, moved `offset` metres to the left.
@@ -545,7 +559,10 @@ mod tests {
         let Some(Reference::Motion(found)) = reference_motion(&ahead(&[]), &robot) else {
             panic!("no motion")
         };
-        let ReferenceMotion { band, arrival_s } = found;
+        let ReferenceMotion {
+            trajectory,
+            arrival_s,
+        } = found;
         // Both ramps at the limit of the acceleration, up to the tolerance of 10 cm.
         let (v, a) = (limits.forward, limits.acceleration);
         let physical = 3.0 / v + v / a - (2.0 * 0.1 / a).sqrt();
@@ -554,7 +571,8 @@ mod tests {
             "{arrival_s} {physical}"
         );
         assert!(
-            band.pose_at(band.duration())
+            trajectory
+                .pose_at(trajectory.duration())
                 .point()
                 .distance(point(3.0, 0.0))
                 < 0.02
@@ -575,14 +593,14 @@ mod tests {
             limits: &limits,
             goal: scene.goal,
         };
-        let band = |x: f64, y: f64| {
+        let trajectory = |x: f64, y: f64| {
             let to = Pose2::new(x, y, 0.0);
-            Band::new(vec![
-                Knot {
+            Trajectory::new(vec![
+                TimedPose {
                     pose: scene.start,
                     time: 0.0,
                 },
-                Knot {
+                TimedPose {
                     pose: to,
                     time: 9.0,
                 },
@@ -590,12 +608,13 @@ mod tests {
             .unwrap()
         };
         assert!(
-            search.timed(&band(1.0, 0.0)).is_some() && search.timed(&band(1.0, 0.005)).is_some()
+            search.timed(&trajectory(1.0, 0.0)).is_some()
+                && search.timed(&trajectory(1.0, 0.005)).is_some()
         );
         assert_eq!(
             (
-                search.timed(&band(1.0, 0.09)),
-                search.timed(&band(1e-5, 0.05))
+                search.timed(&trajectory(1.0, 0.09)),
+                search.timed(&trajectory(1e-5, 0.05))
             ),
             (None, None)
         );

@@ -11,7 +11,7 @@
 use openbench_core::Pose2;
 use openbench_motion::Limits;
 use openbench_motion::kinematics::{on_arc, velocity};
-use openbench_motion::{Band, Knot};
+use openbench_motion::{TimedPose, Trajectory};
 
 /// Upper bound of z, for segments without motion.
 const MAX_Z: f64 = 1e6;
@@ -30,27 +30,33 @@ const MIN_Z: f64 = 0.05;
 /// Tolerance for rounding: a length in metres, or a share.
 const ROUNDING: f64 = 1e-6;
 
-/// The path of a band with the shortest times, from rest to rest. The robot stops only where both
-/// rims reverse. `None` if the path has no length. Lateral parts of the path take no time.
-pub fn retimed(band: &Band, limits: &Limits) -> Option<Band> {
-    let mut knots = vec![Knot {
-        pose: band.knots()[0].pose,
+/// The path of a trajectory with the shortest times, from rest to rest. The robot stops only where
+/// both rims reverse. `None` if the path has no length. Lateral parts of the path take no time.
+pub fn retimed(trajectory: &Trajectory, limits: &Limits) -> Option<Trajectory> {
+    let mut knots = vec![TimedPose {
+        pose: trajectory.poses()[0].pose,
         time: 0.0,
     }];
-    for piece in pieces(band.knots(), limits.half_track) {
+    for piece in pieces(trajectory.poses(), limits.half_track) {
         let poses = divided(piece, limits.half_track);
         let began = knots[knots.len() - 1].time;
         let times = times(&poses, limits)?;
-        knots.extend(poses.iter().zip(times).skip(1).map(|(&pose, time)| Knot {
-            pose,
-            time: began + time,
-        }));
+        knots.extend(
+            poses
+                .iter()
+                .zip(times)
+                .skip(1)
+                .map(|(&pose, time)| TimedPose {
+                    pose,
+                    time: began + time,
+                }),
+        );
     }
-    Band::new(knots)
+    Trajectory::new(knots)
 }
 
 /// The pieces between points at which both rims reverse, ends included.
-fn pieces(knots: &[Knot], half_track: f64) -> Vec<&[Knot]> {
+fn pieces(knots: &[TimedPose], half_track: f64) -> Vec<&[TimedPose]> {
     let mut pieces = Vec::new();
     let (mut first, mut before) = (0, [0.0; 2]);
     for (i, pair) in knots.windows(2).enumerate() {
@@ -70,8 +76,8 @@ fn pieces(knots: &[Knot], half_track: f64) -> Vec<&[Knot]> {
 }
 
 /// Poses along a piece at equal distances, measured along the rims.
-fn divided(piece: &[Knot], half_track: f64) -> Vec<Pose2> {
-    let length = |pair: &[Knot]| {
+fn divided(piece: &[TimedPose], half_track: f64) -> Vec<Pose2> {
+    let length = |pair: &[TimedPose]| {
         let arc = Arc::between(pair[0].pose, pair[1].pose);
         arc.length.abs() + half_track * arc.turn.abs()
     };
@@ -269,12 +275,12 @@ mod tests {
         half_track: 0.2,
     };
 
-    fn through(poses: &[(f64, f64, f64)]) -> Band {
-        let knot = |(i, &(x, y, yaw))| Knot {
+    fn through(poses: &[(f64, f64, f64)]) -> Trajectory {
+        let knot = |(i, &(x, y, yaw))| TimedPose {
             pose: Pose2::new(x, y, yaw),
             time: i as f64,
         };
-        Band::new(poses.iter().enumerate().map(knot).collect()).unwrap()
+        Trajectory::new(poses.iter().enumerate().map(knot).collect()).unwrap()
     }
 
     fn seconds(poses: &[(f64, f64, f64)]) -> f64 {
@@ -342,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn a_band_without_length_has_no_times() {
+    fn a_trajectory_without_length_has_no_times() {
         assert_eq!(
             retimed(&through(&[(1.0, 2.0, 0.5), (1.0, 2.0, 0.5)]), &LIMITS),
             None
@@ -364,12 +370,12 @@ mod tests {
     fn check(corners: &[(f64, f64)], yaw: f64) -> Result<(), TestCaseError> {
         let corners: Vec<MapPoint> = corners.iter().map(|&(x, y)| MapPoint::new(x, y)).collect();
         let start = Pose2::default();
-        let Some(band) = Band::along(start, &corners, Some(yaw), &LIMITS, 1.0) else {
+        let Some(trajectory) = Trajectory::along(start, &corners, Some(yaw), &LIMITS, 1.0) else {
             return Ok(());
         };
-        let retimed = retimed(&band, &LIMITS).unwrap();
+        let retimed = retimed(&trajectory, &LIMITS).unwrap();
         let mut before = (0.0, 0.0, 0.0);
-        for (i, pair) in retimed.knots().windows(2).enumerate() {
+        for (i, pair) in retimed.poses().windows(2).enumerate() {
             let (v, seconds) = (retimed.velocity(i), pair[1].time - pair[0].time);
             prop_assert!(v.linear < 0.5 * 1.001 && v.linear > -0.2 * 1.001);
             prop_assert!(v.angular.abs() < 1.001);
@@ -386,18 +392,19 @@ mod tests {
             before = (rims[0], rims[1], seconds);
         }
         prop_assert_eq!(
-            band.knots().last().unwrap().pose,
-            retimed.knots().last().unwrap().pose
+            trajectory.poses().last().unwrap().pose,
+            retimed.poses().last().unwrap().pose
         );
-        prop_assert!(retimed.duration() > 0.99 * band.duration());
-        let distance_to_band = |pose: Pose2| {
-            let times = (0..=400).map(|i| band.pose_at(f64::from(i) / 400.0 * band.duration()));
+        prop_assert!(retimed.duration() > 0.99 * trajectory.duration());
+        let distance_to_trajectory = |pose: Pose2| {
+            let times =
+                (0..=400).map(|i| trajectory.pose_at(f64::from(i) / 400.0 * trajectory.duration()));
             times
                 .map(|at| at.point().distance(pose.point()))
                 .fold(9.0, f64::min)
         };
-        let is_near = |knot: &Knot| distance_to_band(knot.pose) < 0.05;
-        prop_assert!(retimed.knots().iter().all(is_near));
+        let is_near = |knot: &TimedPose| distance_to_trajectory(knot.pose) < 0.05;
+        prop_assert!(retimed.poses().iter().all(is_near));
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use openbench_core::LonLat;
 use openbench_osm::stream::Source;
 use openbench_routing::geo::Place;
 use openbench_routing::osrm::{
-    Geometries, Limits, NearestRequest, Overview, Places, Request, RouteRequest, Service,
+    Geometries, Limits, NearestRequest, Overview, Request, RequestPlaces, RouteRequest, Service,
     ServiceMemory, TableRequest,
 };
 use openbench_routing::overlay::FAR;
@@ -183,8 +183,8 @@ pub fn measure(
 }
 
 /// Places of a request without hints.
-fn without_hints(places: &[Place]) -> Places {
-    Places {
+fn without_hints(places: &[Place]) -> RequestPlaces {
+    RequestPlaces {
         hints: false,
         ..RouteRequest::through(places.to_vec()).places
     }

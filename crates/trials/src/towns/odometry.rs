@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use cpu_time::ThreadTime;
 use openbench_core::{Observation, Pose3, RobotDescription};
-use openbench_localization::lidar_inertial::settings;
+use openbench_localization::lidar_inertial::sensor_settings;
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Status};
 use openbench_localization::wheels::Wheels;
 use serde::{Deserialize, Serialize};
@@ -73,7 +73,7 @@ struct Follower {
 impl Follower {
     fn new(robot: &RobotDescription) -> Self {
         Self {
-            odometry: LidarInertialOdometry::new(settings(robot)),
+            odometry: LidarInertialOdometry::new(sensor_settings(robot)),
             wheels: Wheels::new(robot),
             estimates: Vec::new(),
             truth: Vec::new(),

@@ -228,7 +228,7 @@ impl Summary {
             speeds,
             points,
             gaps,
-            runaways,
+            restarts,
         } = self.refused;
         let mut text = format!(
             "{} scans; CPU time a scan: median {:.1} ms, 99 % {:.1} ms\n",
@@ -253,7 +253,7 @@ impl Summary {
             ),
             (gaps, "gaps in the samples of the IMU"),
             (
-                runaways,
+                restarts,
                 "divergences from wheels and gyroscope, after which the filter was restarted",
             ),
             (imu, "IMU samples rejected: not finite, or out of order"),

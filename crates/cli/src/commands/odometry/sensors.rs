@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 use nalgebra::{Translation3, UnitQuaternion};
 use openbench_core::{ImuSample, Pose3, RobotDescription};
-use openbench_localization::lidar_inertial::settings;
+use openbench_localization::lidar_inertial::sensor_settings;
 use openbench_localization::lio::{ImuLimits, Settings};
 use serde::Deserialize;
 
@@ -98,7 +98,7 @@ impl Sensors {
 impl File {
     fn sensors(self) -> anyhow::Result<Sensors> {
         let robot = RobotDescription::sentry();
-        let mut settings = settings(&robot);
+        let mut settings = sensor_settings(&robot);
         for mount in [self.imu, self.lidar].into_iter().flatten() {
             ensure!(
                 mount.is_sound(),
@@ -145,11 +145,11 @@ impl File {
                 self.angle_noise,
                 &mut settings.lidar_noise.angle,
             ),
-            ("blind", self.blind, &mut settings.blind),
+            ("blind", self.blind, &mut settings.min_range_m),
             (
                 "typical_speed",
                 self.typical_speed,
-                &mut settings.typical_speed,
+                &mut settings.typical_speed_m_s,
             ),
         ] {
             if let Some(value) = value {
@@ -192,8 +192,8 @@ mod tests {
         let up = sensors.settings.lidar.rotation * nalgebra::Vector3::z();
         assert!((up.z + 1.0).abs() < 1e-9, "upside down: {up}");
         assert_eq!(
-            sensors.settings.blind,
-            settings(&RobotDescription::sentry()).blind
+            sensors.settings.min_range_m,
+            sensor_settings(&RobotDescription::sentry()).min_range_m
         );
         assert!(sensors.imu_is_on("/any") && sensors.lidar_is_on("/any"));
         let still = ImuSample {

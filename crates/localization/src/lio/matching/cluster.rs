@@ -13,20 +13,20 @@ pub struct Cluster {
     /// Each with weight 1.
     pub points: Moments,
     /// The plane that they lie on, if there is one.
-    pub seen: Option<Seen>,
+    pub plane: Option<PlaneObservation>,
     /// Whether the cube takes no more points.
     pub(super) is_full: bool,
 }
 
 /// A plane as a scan sees it.
 #[derive(Debug, Clone)]
-pub struct Seen {
+pub struct PlaneObservation {
     /// Unit vector in `odom`.
     pub normal: Vector3<f64>,
     /// Distance of the plane from the origin of `odom` along its normal, metres.
     pub offset: f64,
     /// The points, each weighted by the inverse of its variance across the plane, 1/m².
-    pub weighed: Moments,
+    pub weighted: Moments,
     /// Variance that all of them share: that of the plane at their place, m².
     pub shared: f64,
     /// How a plane that is shifted or tilted moves under a point: rows that (p, 1) is multiplied

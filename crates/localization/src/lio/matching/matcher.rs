@@ -63,11 +63,11 @@ impl Matching {
 
     /// Share of points on planes among the points where planes are known; 1 where there are none.
     pub(in crate::lio) fn agreeing(&self) -> f64 {
-        let seen = self
+        let on_planes = self
             .clusters
             .iter()
-            .filter(|cluster| cluster.seen.is_some());
-        let agreeing: f64 = seen.map(|cluster| cluster.points.weight).sum();
+            .filter(|cluster| cluster.plane.is_some());
+        let agreeing: f64 = on_planes.map(|cluster| cluster.points.weight).sum();
         let all = agreeing + self.contradicting as f64;
         if all > 0.0 { agreeing / all } else { 1.0 }
     }
@@ -96,9 +96,9 @@ impl Matching {
 fn insert_cluster(cluster: &Cluster, lidar: &Isometry3<f64>, map: &mut PlaneMap) -> Option<f64> {
     let from_middle = lidar.translation.vector - cluster.place.middle;
     let motion = Isometry3::from_parts(from_middle.into(), lidar.rotation);
-    let rays = match &cluster.seen {
+    let rays = match &cluster.plane {
         // The harmonic mean of the variances that the points are weighted by.
-        Some(seen) => Rays::Corrected(cluster.points.weight / seen.weighed.weight),
+        Some(plane) => Rays::Corrected(cluster.points.weight / plane.weighted.weight),
         None => Rays::Uncorrected(lidar.rotation * cluster.points.mean()),
     };
     map.add(

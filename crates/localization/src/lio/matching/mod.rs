@@ -7,7 +7,7 @@
 //! Lidar Point Clouds*, 2023, call them point clusters). A scan is searched once, not once an
 //! iteration, and all its points count.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `cluster` | [`Cluster`]: points of one cube, and the plane that they lie on |
 //! | `gate` | which points lie on a plane |
@@ -21,5 +21,5 @@ mod gate;
 mod matcher;
 mod search;
 
-pub use cluster::{Cluster, Seen};
+pub use cluster::{Cluster, PlaneObservation};
 pub use matcher::Matching;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, SMatrix, Vector3};
 
-use super::cluster::{Cluster, Seen};
+use super::cluster::{Cluster, PlaneObservation};
 use super::cube_order::{CubeOrder, cubes, point_number};
 use super::gate::{Gate, Viewpoint};
 use crate::lio::moments::Moments;
@@ -56,19 +56,19 @@ impl Search<'_> {
         let content = self.map.look_up(&place, self.view.lidar.translation.vector);
         let is_full = content.is_some_and(|content| content.is_full);
         let plane = content.and_then(|content| content.plane);
-        let seen = plane.map(|plane| self.seen(plane, keys, &mut points, rest));
-        if seen.is_none() {
+        let observed = plane.map(|plane| self.observe(plane, keys, &mut points, rest));
+        if observed.is_none() {
             for key in keys {
                 points.add(self.scan.points[point_number(*key)], 1.0);
             }
         }
-        let has_met_plane = has_met_plane || seen.is_some();
-        let next = if seen.is_some() { &rest[..] } else { keys };
+        let has_met_plane = has_met_plane || observed.is_some();
+        let next = if observed.is_some() { &rest[..] } else { keys };
         if points.weight > 0.0 {
             self.clusters.push(Cluster {
                 place,
                 points,
-                seen,
+                plane: observed,
                 is_full,
             });
         }
@@ -81,14 +81,20 @@ impl Search<'_> {
 
     /// The cube's plane as the scan sees it. Points that lie on it go into `points`, the others
     /// into `rest`.
-    fn seen(&self, plane: &Plane, keys: &[u64], points: &mut Moments, rest: &mut Vec<u64>) -> Seen {
+    fn observe(
+        &self,
+        plane: &Plane,
+        keys: &[u64],
+        points: &mut Moments,
+        rest: &mut Vec<u64>,
+    ) -> PlaneObservation {
         let first = self.scan.places[point_number(keys[0])];
         let gate = Gate::new(&self.view, plane, first);
-        let mut weighed = Moments::default();
+        let mut weighted = Moments::default();
         for key in keys {
             match gate.pass(&self.scan.points[point_number(*key)]) {
                 Some(inlier) => {
-                    weighed.add(inlier.point, inlier.weight);
+                    weighted.add(inlier.point, inlier.weight);
                     points.add(inlier.point, 1.0);
                 }
                 None => rest.push(*key),
@@ -96,10 +102,10 @@ impl Search<'_> {
         }
         let middle = self.view.lidar * Point3::from(points.mean());
         let errors = plane.errors();
-        Seen {
+        PlaneObservation {
             normal: plane.normal,
             offset: plane.normal.dot(&plane.middle),
-            weighed,
+            weighted,
             shared: plane.variance(middle.coords),
             errors: self.errors_on_lidar(plane),
             known: errors.map(|error| 1.0 / error.variance).into(),

@@ -6,7 +6,7 @@
 //! Here no points are kept, only their number, sum and second moments, from which the plane
 //! follows.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `place` | [`Place`]: a cube of the grid |
 //! | `plane` | [`Plane`], and how certain it is |

@@ -11,7 +11,7 @@
 //!
 //! The first row of the image is the northernmost.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | [`occupancy`] | [`Occupancy`]: the grid |
 //! | [`description`] | [`Description`]: the `.yaml` file |
@@ -19,11 +19,11 @@
 //! | [`files`] | [`read`] and [`write()`] |
 //! | [`error`] | [`MapServerError`] |
 
-pub mod description;
-pub mod error;
-pub mod files;
-pub mod occupancy;
-pub mod pixels;
+mod description;
+mod error;
+mod files;
+mod occupancy;
+mod pixels;
 
 pub use description::{Description, Mode, describe};
 pub use error::MapServerError;

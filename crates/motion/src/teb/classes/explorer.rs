@@ -75,7 +75,7 @@ impl Exploring {
 
 /// A path and its class.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Way {
+pub struct ClassPath {
     /// From start to goal, in `map`.
     pub corners: Vec<MapPoint>,
     /// Its class.
@@ -100,7 +100,7 @@ impl Explorer {
     }
 
     /// The same, to be kept.
-    pub fn take_clusters(&mut self) -> Clusters {
+    pub(crate) fn take_clusters(&mut self) -> Clusters {
         std::mem::take(&mut self.clusters)
     }
 
@@ -112,7 +112,7 @@ impl Explorer {
         goal: MapPoint,
         obstacles: &[Obstacle],
         how: &Exploring,
-    ) -> Vec<Way> {
+    ) -> Vec<ClassPath> {
         let grid = window(start, goal, how);
         self.lay_costs(&grid, obstacles, how);
         self.lean(&grid, start, goal);
@@ -137,7 +137,7 @@ impl Explorer {
         let found = self.search.run(&field, from, to);
         found
             .into_iter()
-            .map(|found| self.way(&grid, &found, start, goal))
+            .map(|found| self.class_path(&grid, &found, start, goal))
             .collect()
     }
 
@@ -180,21 +180,28 @@ impl Explorer {
         }
         let low = MapPoint::new(point.x - ESCAPE_M, point.y - ESCAPE_M);
         let high = MapPoint::new(point.x + ESCAPE_M, point.y + ESCAPE_M);
-        let (columns, rows) = grid.window(low, high)?;
-        let cells = (rows.0..=rows.1).flat_map(|r| (columns.0..=columns.1).map(move |c| (c, r)));
-        let free = cells.filter_map(|(c, r)| grid.cell_in(c, r));
-        let free = free.filter(|&cell| self.costs[cell].is_finite());
-        let distance = |cell: usize| grid.center(cell).distance(point);
-        free.min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+        let free = grid
+            .cells_between(low, high)
+            .filter(|&cell| self.costs[cell].is_finite());
+        free.min_by(|&a, &b| {
+            let [a, b] = [a, b].map(|cell| grid.center(cell).distance(point));
+            a.total_cmp(&b)
+        })
     }
 
-    fn way(&self, grid: &GridGeometry, found: &Found, start: MapPoint, goal: MapPoint) -> Way {
+    fn class_path(
+        &self,
+        grid: &GridGeometry,
+        found: &Found,
+        start: MapPoint,
+        goal: MapPoint,
+    ) -> ClassPath {
         let corners = self.straighten(grid, &found.cells);
         let inner = corners[1..corners.len().max(2) - 1]
             .iter()
             .map(|&cell| grid.center(cell));
         let corners = std::iter::once(start).chain(inner).chain([goal]).collect();
-        Way {
+        ClassPath {
             corners,
             signature: found.signature,
             cost: found.cost * grid.cell,
@@ -242,10 +249,8 @@ fn window(start: MapPoint, goal: MapPoint, how: &Exploring) -> GridGeometry {
     let (width, height) = ((goal.x - start.x).abs(), (goal.y - start.y).abs());
     let side = width.max(height) + 2.0 * how.around;
     let cell = how.cell.max(side / MOST_CELLS as f64);
-    let count = |length: f64| {
-        (((length + 2.0 * how.around) / cell).ceil() as usize).clamp(1, MOST_CELLS + 1)
-    };
-    let (columns, rows) = (count(width), count(height));
+    let columns = cells_over(width + 2.0 * how.around, cell);
+    let rows = cells_over(height + 2.0 * how.around, cell);
     let middle = MapPoint::new((start.x + goal.x) / 2.0, (start.y + goal.y) / 2.0);
     let origin = MapPoint::new(
         middle.x - columns as f64 * cell / 2.0,
@@ -257,6 +262,11 @@ fn window(start: MapPoint, goal: MapPoint, how: &Exploring) -> GridGeometry {
         height: rows,
         cell,
     }
+}
+
+/// How many cells cover a length, metres.
+fn cells_over(length: f64, cell: f64) -> usize {
+    ((length / cell).ceil() as usize).clamp(1, MOST_CELLS + 1)
 }
 
 /// One point in each connected set of cells where the robot does not fit; a little off the middles
@@ -304,16 +314,18 @@ fn central(grid: &GridGeometry, members: &[usize]) -> usize {
         let (x, y) = grid.column_row(cell);
         (sum_x, sum_y) = (sum_x + x as f64, sum_y + y as f64);
     }
-    let away = |cell: usize| {
+    let mut nearest = members[0];
+    let mut least = f64::INFINITY;
+    for &cell in members {
         let (x, y) = grid.column_row(cell);
         let (dx, dy) = (x as f64 - sum_x / count, y as f64 - sum_y / count);
-        dx * dx + dy * dy
-    };
-    let nearest = members
-        .iter()
-        .copied()
-        .min_by(|&a, &b| away(a).total_cmp(&away(b)));
-    nearest.unwrap_or(members[0])
+        let square = dx * dx + dy * dy;
+        // Of several as near, the first: the choice must not depend on anything else.
+        if square < least {
+            (nearest, least) = (cell, square);
+        }
+    }
+    nearest
 }
 
 #[cfg(test)]
@@ -356,7 +368,7 @@ mod tests {
             &how,
         );
         assert_eq!(paths.len(), 2);
-        let side = |path: &Way| {
+        let side = |path: &ClassPath| {
             path.corners
                 .iter()
                 .map(|c| c.y)
@@ -390,7 +402,7 @@ mod tests {
             .map(|(x, y)| Obstacle::disc(point(*x, *y), 0.02).unwrap())
             .collect();
         let paths = Explorer::default().explore(start, goal, &small, &how);
-        let highest = |path: &Way| path.corners.iter().map(|c| c.y).fold(-9.0, f64::max);
+        let highest = |path: &ClassPath| path.corners.iter().map(|c| c.y).fold(-9.0, f64::max);
         let heights: Vec<f64> = paths.iter().map(highest).collect();
         assert!(
             heights.iter().any(|y| *y > 0.2) && heights.iter().any(|y| *y < 0.1),

@@ -9,17 +9,17 @@
 //! distinctive topologies*, 2017, distinguish bands by it). A* over cells *and* signatures finds
 //! the cheapest path of each of the cheapest classes in one search.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
-//! | [`signature`] | [`Signature`] and [`Clusters`]: which class a path is of |
-//! | [`explorer`] | [`Explorer`]: the cheapest path of each class |
+//! | `signature` | [`Signature`] and [`Clusters`]: which class a path is of |
+//! | `explorer` | [`Explorer`]: the cheapest path of each class |
 //! | `search` | A* over cells and signatures |
 //! | `crossings` | the rays that a step between columns crosses |
 
 mod crossings;
-pub mod explorer;
+mod explorer;
 mod search;
-pub mod signature;
+mod signature;
 
-pub use explorer::{Explorer, Exploring, Way};
+pub use explorer::{ClassPath, Explorer, Exploring};
 pub use signature::{Clusters, Passing, Signature};

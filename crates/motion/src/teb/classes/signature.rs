@@ -2,7 +2,7 @@
 
 use openbench_core::MapPoint;
 
-use crate::shape::Obstacle;
+use crate::shape::{Obstacle, moving};
 use crate::vector::Vector2;
 
 /// Clusters that are distinguished, those nearest to the straight line; further ones are not.
@@ -71,10 +71,9 @@ pub struct Clusters {
 impl Clusters {
     /// Distinguishes paths by moving obstacles, too: one that passes before a person winds
     /// otherwise about them than one that passes behind.
-    pub fn set_moving(&mut self, obstacles: &[Obstacle], robot: MapPoint) {
-        let moving = obstacles.iter().filter(|o| o.is_moving());
+    pub(crate) fn set_moving(&mut self, obstacles: &[Obstacle], robot: MapPoint) {
         self.moving.clear();
-        self.moving.extend(moving.map(|o| Moving {
+        self.moving.extend(moving(obstacles).map(|o| Moving {
             middle: o.middle(),
             velocity: o.velocity(),
         }));

@@ -2,13 +2,12 @@
 
 use openbench_core::Velocity;
 
-use crate::feasible::conflict_before_stop;
 use crate::kinematics::Motion;
 use crate::local::{Blocked, Progress, Situation};
 use crate::people::caution::Caution;
 use crate::recovery::evade::evade;
-use crate::trajectory::Band;
-use crate::trajectory::band::COMMAND_S;
+use crate::trajectory::COMMAND_S;
+use crate::trajectory::Trajectory;
 
 use super::{SURE_M, TOO_LATE_S, Teb};
 
@@ -44,12 +43,15 @@ impl Causes {
 impl Teb {
     /// How far people are trusted.
     pub(super) fn caution(&self) -> Caution<'_> {
-        let (surprise, yields) = (self.settings.surprise, self.settings.yields);
+        let (approach_margin_mps, stopping_time_s) = (
+            self.settings.approach_margin_mps,
+            self.settings.stopping_time_s,
+        );
         Caution {
             footprint: &self.footprint,
             limits: &self.limits,
-            surprise,
-            yields,
+            approach_margin_mps,
+            stopping_time_s,
         }
     }
 
@@ -80,7 +82,7 @@ impl Teb {
             .distance(best.band.pose_at(at).point());
         let cause = Blocked::Obstacle(distance);
         // A robot that is cautious of people stands and does not run from them.
-        if self.settings.surprise.is_some() {
+        if self.settings.approach_margin_mps.is_some() {
             return Err(cause);
         }
         let away = evade(&self.footprint, &self.limits, situation);
@@ -94,7 +96,7 @@ impl Teb {
         &self,
         situation: &Situation<'_>,
         planned: Velocity,
-        plan: Option<&Band>,
+        plan: Option<&Trajectory>,
     ) -> Result<Progress, Blocked> {
         let caution = self.caution();
         let wanted = caution.slowed(situation, planned, plan);
@@ -132,8 +134,8 @@ impl Teb {
             velocity,
             command,
         };
-        let (footprint, limits) = (&self.footprint, &self.limits);
-        conflict_before_stop(footprint, obstacles, motion, limits, COMMAND_S, SURE_M)
+        self.check(obstacles, SURE_M)
+            .conflict_before_stop(motion, COMMAND_S)
     }
 
     /// A velocity, and slower ones that still move the robot if it does.

@@ -1,9 +1,10 @@
 //! Leaving near contact with an obstacle, where soft penalties are no help.
 
-use crate::feasible::{clearance, first_conflict};
+use crate::feasible::clearance;
 use crate::local::{Blocked, Progress, Situation};
 use crate::recovery::leave::{KEEP_M, leave};
-use crate::trajectory::Band;
+use crate::shape::standing;
+use crate::trajectory::Trajectory;
 
 use super::{End, Planned, TOO_LATE_S, Teb};
 
@@ -38,7 +39,7 @@ impl Teb {
 
     /// Whether the robot is in near contact, or not far enough from it yet.
     fn touches(&self, situation: &Situation<'_>) -> bool {
-        let standing = situation.obstacles.iter().filter(|o| !o.is_moving());
+        let standing = standing(situation.obstacles);
         let near = clearance(&self.footprint, standing, situation.pose, 0.0, FREE_M);
         near < if self.is_touching { FREE_M } else { TOUCHING_M }
     }
@@ -62,9 +63,8 @@ impl Teb {
     }
 
     /// Whether a motion out of contact is still to be driven, and meets no obstacle soon.
-    fn keeps(&self, situation: &Situation<'_>, band: &Band) -> bool {
-        let obstacles = situation.obstacles;
-        let conflict = first_conflict(&self.footprint, &self.limits, obstacles, band, KEEP_M);
+    fn keeps(&self, situation: &Situation<'_>, band: &Trajectory) -> bool {
+        let conflict = self.check(situation.obstacles, KEEP_M).first_conflict(band);
         band.duration() > DONE_S && conflict.is_none_or(|at| at > TOO_LATE_S)
     }
 

@@ -4,7 +4,7 @@ use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::grid::GridGeometry;
 
 use crate::costmap::Costmap;
-use crate::costmap::ground::{Barred, Ground, Preferences};
+use crate::costmap::ground::{Ground, MappedObstacle, Preferences};
 use crate::obstacles::RangeRing;
 use crate::shape::{Footprint, Obstacle};
 
@@ -14,21 +14,22 @@ const CELL_M: f64 = 0.05;
 const HALF_M: f64 = 9.0;
 /// Distance of the robot from the middle at which the window moves, metres.
 const SLACK_M: f64 = 1.0;
+/// A move by more cells is an error of the pose: coordinates would lose their cells to rounding.
+const MOST_MOVED: f64 = 1e9;
 
 /// A costmap that moves with the robot (a rolling window). What leaves it is forgotten; the layer
 /// of the map comes from a larger costmap.
 #[derive(Debug, Clone)]
-pub struct Window {
+pub struct RollingWindow {
     costmap: Costmap,
 }
 
-impl Window {
+impl RollingWindow {
     /// The window around a place.
     pub fn new(whole: &Costmap, place: MapPoint) -> Self {
         let side = (2.0 * HALF_M / CELL_M) as usize;
         // On whole cells, so that cells keep their places when the window moves.
-        let corner = |at: f64| ((at - HALF_M) / CELL_M).round() * CELL_M;
-        let origin = MapPoint::new(corner(place.x), corner(place.y));
+        let origin = MapPoint::new(corner_about(place.x), corner_about(place.y));
         let grid = GridGeometry {
             origin,
             width: side,
@@ -47,17 +48,18 @@ impl Window {
     pub fn follow(&mut self, whole: &Costmap, place: MapPoint) {
         let before = self.costmap.grid;
         let grid = &mut self.costmap.grid;
-        let cells = |at: f64, origin: f64| ((at - HALF_M - origin) / grid.cell).round();
-        let (columns, rows) = (cells(place.x, grid.origin.x), cells(place.y, grid.origin.y));
-        // Written so that NaN moves nothing.
-        let far = |cells: f64| cells.abs() * grid.cell > SLACK_M;
-        let known = |cells: f64| cells.abs() < 1e9;
-        if !(known(columns) && known(rows) && (far(columns) || far(rows))) {
+        let columns = cells_to_move(place.x, grid.origin.x);
+        let rows = cells_to_move(place.y, grid.origin.y);
+        let is_possible = columns.abs() < MOST_MOVED && rows.abs() < MOST_MOVED;
+        let is_far = columns.abs() * CELL_M > SLACK_M || rows.abs() * CELL_M > SLACK_M;
+        // With NaN both are false: a robot that does not know its pose moves nothing.
+        if !(is_possible && is_far) {
             return;
         }
-        // Counted in cells, so that rounding does not accumulate.
-        let moved = |at: f64, by: f64| ((at / CELL_M).round() + by) * CELL_M;
-        grid.origin = MapPoint::new(moved(grid.origin.x, columns), moved(grid.origin.y, rows));
+        grid.origin = MapPoint::new(
+            moved_by_cells(grid.origin.x, columns),
+            moved_by_cells(grid.origin.y, rows),
+        );
         self.costmap.seen.carry(&before, &self.costmap.grid);
         self.take_ground(whole);
     }
@@ -66,8 +68,8 @@ impl Window {
     fn take_ground(&mut self, whole: &Costmap) {
         for cell in 0..self.costmap.grid.len() {
             let from = whole.grid.cell_at(self.costmap.grid.center(cell));
-            self.costmap.ground.barred[cell] =
-                from.map_or(Barred::No, |from| whole.ground.barred[from]);
+            self.costmap.ground.obstacles[cell] =
+                from.map_or(MappedObstacle::No, |from| whole.ground.obstacles[from]);
         }
     }
 
@@ -76,9 +78,9 @@ impl Window {
         self.costmap.grid()
     }
 
-    /// See [`Costmap::observe_but`].
-    pub fn observe_but(&mut self, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
-        self.costmap.observe_but(ring, moves);
+    /// See [`Costmap::observe_static`].
+    pub fn observe_static(&mut self, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
+        self.costmap.observe_static(ring, moves);
         self.costmap.seen.forget();
     }
 
@@ -91,7 +93,7 @@ impl Window {
     pub fn clear_below(&mut self, footprint: &Footprint, pose: Pose2) {
         for cell in self.costmap.obstacles_below(footprint, pose) {
             self.costmap.seen.clear(cell);
-            self.costmap.ground.barred[cell] = Barred::No;
+            self.costmap.ground.obstacles[cell] = MappedObstacle::No;
         }
     }
 
@@ -99,6 +101,21 @@ impl Window {
     pub fn obstacles_near(&self, point: MapPoint, reach: f64) -> Vec<Obstacle> {
         self.costmap.obstacles_near(point, reach)
     }
+}
+
+/// A coordinate of the corner of a window around `at`, metres.
+fn corner_about(at: f64) -> f64 {
+    ((at - HALF_M) / CELL_M).round() * CELL_M
+}
+
+/// By how many cells a window whose corner is at `origin` moves to be around `at`.
+fn cells_to_move(at: f64, origin: f64) -> f64 {
+    ((at - HALF_M - origin) / CELL_M).round()
+}
+
+/// A coordinate moved by whole cells: counted in cells, so that rounding does not accumulate.
+fn moved_by_cells(at: f64, cells: f64) -> f64 {
+    ((at / CELL_M).round() + cells) * CELL_M
 }
 
 #[cfg(test)]
@@ -111,9 +128,9 @@ mod tests {
     #[test]
     fn seen_obstacles_keep_their_places_until_the_window_has_left_them() {
         let whole = open_ground();
-        let mut window = Window::new(&whole, MapPoint::default());
+        let mut window = RollingWindow::new(&whole, MapPoint::default());
         let post = MapPoint::new(2.03, 1.03);
-        window.observe_but(
+        window.observe_static(
             &RangeRing::new(
                 MapPoint::default(),
                 0.25,
@@ -121,7 +138,7 @@ mod tests {
             ),
             |_| false,
         );
-        let near = |window: &Window| window.obstacles_near(post, 0.5);
+        let near = |window: &RollingWindow| window.obstacles_near(post, 0.5);
         assert_eq!(near(&window).len(), 1);
         let place = near(&window)[0].middle();
         assert!(place.distance(post) < 0.04);
@@ -161,9 +178,9 @@ mod tests {
 
     #[test]
     fn the_ground_below_the_robot_is_free() {
-        let mut window = Window::new(&open_ground(), MapPoint::default());
-        window.costmap.ground.barred.fill(Barred::Water);
-        let is_obstacle = |window: &Window, x: f64| {
+        let mut window = RollingWindow::new(&open_ground(), MapPoint::default());
+        window.costmap.ground.obstacles.fill(MappedObstacle::Water);
+        let is_obstacle = |window: &RollingWindow, x: f64| {
             window
                 .costmap
                 .is_obstacle(window.grid().cell_at(MapPoint::new(x, 0.0)).unwrap())

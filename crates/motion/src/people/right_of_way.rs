@@ -25,20 +25,20 @@ const ROUNDING_M: f64 = 1e-3;
 
 /// How far ahead of a moving obstacle ground is reserved for it.
 #[derive(Debug, Clone, Copy)]
-pub struct Ways<'a> {
+pub(crate) struct RightOfWay<'a> {
     /// The robot's outline.
     pub footprint: &'a Footprint,
     /// Seconds that a walking person needs to stop.
     pub seconds: f64,
 }
 
-impl Ways<'_> {
+impl RightOfWay<'_> {
     /// Whether a robot that is driven as commanded for `hold` seconds and then brakes cuts somebody
     /// off.
     ///
     /// It does if it gets into their path, or nearer to it than 20 cm, where it would not by
     /// standing still; or if it drives towards somebody in whose path it is.
-    pub fn is_cut_off(
+    pub(crate) fn is_cut_off(
         &self,
         somebody: &Obstacle,
         motion: Motion,
@@ -46,7 +46,7 @@ impl Ways<'_> {
         hold: f64,
     ) -> bool {
         let here = self.footprint.at(motion.pose);
-        let off = self.off_way(somebody, &here, 0.0);
+        let off = self.distance_from_path(somebody, &here, 0.0);
         let (velocity, mut time) = (somebody.velocity(), 0.0);
         let mut motion = motion;
         while time < hold || !motion.stands() && time < LONGEST_S {
@@ -58,8 +58,9 @@ impl Ways<'_> {
             let there = self.footprint.at(motion.pose);
             let against = -here.to(&there).dot(velocity)
                 > AGAINST_MPS * time * libm::hypot(velocity.x, velocity.y);
-            let then = self.off_way(somebody, &there, time);
-            let deeper = then < MARGIN_M && then < self.off_way(somebody, &here, time) - ROUNDING_M;
+            let then = self.distance_from_path(somebody, &there, time);
+            let deeper = then < MARGIN_M
+                && then < self.distance_from_path(somebody, &here, time) - ROUNDING_M;
             // A robot in somebody's path has to leave it, to whichever side.
             if off < MARGIN_M && against || off > 0.0 && deeper {
                 return true;
@@ -70,12 +71,11 @@ impl Ways<'_> {
 
     /// Distance of a footprint, `time` seconds ahead, from the path that somebody has before them
     /// then, at most [`MARGIN_M`], metres.
-    fn off_way(&self, somebody: &Obstacle, at: &Placed, time: f64) -> f64 {
-        let after = |i: usize| time + self.seconds * i as f64 / CHECKS as f64;
-        let off =
-            |i: usize| somebody.contact(at, self.footprint.circumscribed(), after(i), MARGIN_M);
-        (0..=CHECKS)
-            .filter_map(off)
+    fn distance_from_path(&self, somebody: &Obstacle, at: &Placed, time: f64) -> f64 {
+        let circle = self.footprint.circumscribed();
+        let times = (0..=CHECKS).map(|i| time + self.seconds * i as f64 / CHECKS as f64);
+        let contacts = times.filter_map(|time| somebody.contact(at, circle, time, MARGIN_M));
+        contacts
             .map(|contact| contact.distance)
             .fold(MARGIN_M, f64::min)
     }
@@ -101,7 +101,7 @@ mod tests {
             velocity,
             command: velocity,
         };
-        Ways {
+        RightOfWay {
             footprint: &footprint,
             seconds: 0.6,
         }
