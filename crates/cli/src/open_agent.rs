@@ -40,7 +40,7 @@ impl AgentFactory for OpenFactory {
     ) -> Result<(), AgentError> {
         let settings = Settings::parse(settings)?;
         for files in self.catalogue.readers.model_files(&settings.reader) {
-            ModelStore::from_environment()?.ensure(files, observer)?;
+            ModelStore::from_environment()?.download(files, observer)?;
         }
         Ok(())
     }

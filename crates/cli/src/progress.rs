@@ -31,12 +31,19 @@ impl PullProgress {
     /// Shows what happens.
     pub fn show(&mut self, event: PullEvent) {
         match event {
-            PullEvent::Fetching { name, come, of } => {
+            PullEvent::Progress {
+                name,
+                received_bytes,
+                total_bytes,
+            } => {
                 let bar = self.bar.get_or_insert_with(|| {
-                    tell(&format!("fetching {name}, {:.0} MB", of as f64 / 1e6));
-                    bytes_bar(of)
+                    tell(&format!(
+                        "fetching {name}, {:.0} MB",
+                        total_bytes as f64 / 1e6
+                    ));
+                    bytes_bar(total_bytes)
                 });
-                bar.set_position(come);
+                bar.set_position(received_bytes);
             }
             PullEvent::Downloading(wheel) => {
                 tell(&format!(
@@ -51,6 +58,7 @@ impl PullProgress {
                     .for_each(ProgressBar::finish_and_clear);
                 tell(&format!("{name} is in {}", path.display()));
             }
+            _ => {}
         }
     }
 }

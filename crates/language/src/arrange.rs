@@ -21,9 +21,12 @@ pub(crate) fn shortest(request: &PlanRequest<'_>, stops: &Stops) -> Vec<usize> {
     let times = travel_times(request, &stops.stops);
     let precedence = precedence(stops);
     // A stop that is late even if it comes first, or that no route leads to, delays no other.
-    let in_time =
-        |(i, stop): (usize, &Stop)| due_ms(stop.due).filter(|due| times[0][i + 1] <= *due);
-    let due: Vec<Option<u64>> = stops.stops.iter().enumerate().map(in_time).collect();
+    let due: Vec<Option<u64>> = stops
+        .stops
+        .iter()
+        .zip(&times[0][1..])
+        .map(|(stop, soonest)| due_ms(stop.due).filter(|due| soonest <= due))
+        .collect();
     if due.iter().all(Option::is_none) {
         return best_order(&times, &precedence);
     }
@@ -48,13 +51,31 @@ pub(crate) fn precedence(stops: &Stops) -> Precedence {
     for order in &stops.before {
         precedence.add(order.earlier, order.later);
     }
-    let key = |stop: &Stop| {
-        let due = due_of_building(&stops.stops, stop);
-        (due.is_none(), due)
-    };
-    let counts = |stop: &Stop| stop.due.is_none() || due_by_clock(stop).is_some();
-    put_in_order(&mut precedence, &stops.stops, counts, key);
+    put_in_order(
+        &mut precedence,
+        &stops.stops,
+        // What is due within a time cannot be compared with a time of day.
+        |stop| stop.due.is_none() || due_by_clock(stop).is_some(),
+        |stop| Urgency::of(due_of_building(&stops.stops, stop)),
+    );
     precedence
+}
+
+/// How soon a stop is due, the most urgent first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Urgency {
+    /// What is due at no time comes last, so this field is compared first.
+    is_open: bool,
+    due: Option<Deadline>,
+}
+
+impl Urgency {
+    fn of(due: Option<Deadline>) -> Self {
+        Self {
+            is_open: due.is_none(),
+            due,
+        }
+    }
 }
 
 fn due_by_clock(stop: &Stop) -> Option<Deadline> {
@@ -74,24 +95,27 @@ fn sooner_first(mut precedence: Precedence, stops: &[Stop]) -> Precedence {
         &mut precedence,
         stops,
         |_| true,
-        |stop| (stop.due.is_none(), stop.due),
+        |stop| Urgency::of(stop.due),
     );
     precedence
 }
 
-/// Puts stops with a lower key before those with a higher one.
-fn put_in_order<K: Ord>(
+/// Puts more urgent stops before less urgent ones, of those that count and have no problem.
+fn put_in_order(
     precedence: &mut Precedence,
     stops: &[Stop],
     counts: impl Fn(&Stop) -> bool,
-    key: impl Fn(&Stop) -> K,
+    urgency: impl Fn(&Stop) -> Urgency,
 ) {
-    let counting = stops.iter().enumerate();
-    let counting = counting.filter(|(_, stop)| stop.problem.is_none() && counts(stop));
-    let keyed: Vec<(usize, K)> = counting.map(|(i, stop)| (i, key(stop))).collect();
-    for (a, earlier) in &keyed {
-        for (b, _) in keyed.iter().filter(|(_, later)| earlier < later) {
-            precedence.add(*a, *b);
+    let counting: Vec<usize> = (0..stops.len())
+        .filter(|i| stops[*i].problem.is_none() && counts(&stops[*i]))
+        .collect();
+    let urgencies: Vec<Urgency> = stops.iter().map(urgency).collect();
+    for earlier in &counting {
+        for later in &counting {
+            if urgencies[*earlier] < urgencies[*later] {
+                precedence.add(*earlier, *later);
+            }
         }
     }
 }
@@ -102,21 +126,24 @@ pub(crate) fn in_order(
     stops: Vec<Stop>,
     order: &[usize],
 ) -> Vec<PlannedDelivery> {
-    let delivery = |index: &usize| {
-        let stop = stops.get(*index)?;
-        Some(PlannedDelivery {
-            instruction_index: *index,
-            item: stop.items.join(", "),
-            building: stop.address.building.clone(),
-            unit: stop.address.unit.clone(),
-            levels: stop.levels.clone(),
-            steps: steps(request.map, &stop.address, &stop.levels),
-            confidence: stop.confidence,
-            problem: stop.problem.clone(),
-            deadline: stop.due,
-        })
-    };
-    order.iter().filter_map(delivery).collect()
+    order
+        .iter()
+        .filter_map(|index| Some(delivery(request, *index, stops.get(*index)?)))
+        .collect()
+}
+
+fn delivery(request: &PlanRequest<'_>, instruction_index: usize, stop: &Stop) -> PlannedDelivery {
+    PlannedDelivery {
+        instruction_index,
+        item: stop.items.join(", "),
+        building: stop.address.building.clone(),
+        unit: stop.address.unit.clone(),
+        levels: stop.levels.clone(),
+        steps: steps(request.map, &stop.address, &stop.levels),
+        confidence: stop.confidence,
+        problem: stop.problem.clone(),
+        deadline: stop.due,
+    }
 }
 
 /// Milliseconds from the start (row and column 0) and each stop to each; [`UNKNOWN`] where the map
@@ -131,18 +158,35 @@ pub(crate) fn travel_times(request: &PlanRequest<'_>, stops: &[Stop]) -> Vec<Vec
             .flatten();
         index.push(at.map(|at| place_once(&mut places, at)));
     }
-    let seconds = request.times.matrix(&places);
-    let time = |from: Option<usize>, to: Option<usize>| match (from, to) {
-        (Some(from), Some(to)) if from == to => 0,
-        (Some(from), Some(to)) => seconds
-            .get(from * places.len() + to)
-            .map_or(UNKNOWN, |seconds| milliseconds(*seconds)),
-        _ => UNKNOWN,
+    let matrix = TimeMatrix {
+        seconds: request.times.matrix(&places),
+        size: places.len(),
     };
     index
         .iter()
-        .map(|from| index.iter().map(|to| time(*from, *to)).collect())
+        .map(|from| index.iter().map(|to| matrix.time(*from, *to)).collect())
         .collect()
+}
+
+/// Times between places, row by row.
+struct TimeMatrix {
+    seconds: Vec<f64>,
+    /// Number of places.
+    size: usize,
+}
+
+impl TimeMatrix {
+    /// Milliseconds between two places, either of which the map may lack.
+    fn time(&self, from: Option<usize>, to: Option<usize>) -> u64 {
+        match (from, to) {
+            (Some(from), Some(to)) if from == to => 0,
+            (Some(from), Some(to)) => self
+                .seconds
+                .get(from * self.size + to)
+                .map_or(UNKNOWN, |seconds| milliseconds(*seconds)),
+            _ => UNKNOWN,
+        }
+    }
 }
 
 /// The index of a place, which is added unless it is there.

@@ -1,7 +1,10 @@
 //! Why there is no plan.
+//!
+//! No text repeats its source: `openbench_core::with_causes` prints both.
 
 use std::sync::Arc;
 
+use openbench_core::with_causes;
 use openbench_models::ChatError;
 
 /// How much of an instruction or a reply an error quotes, in characters.
@@ -23,7 +26,7 @@ pub enum PlanError {
         hint: String,
     },
     /// The chat model did not answer.
-    #[error("the chat model `{model}` is not available: {source}")]
+    #[error("the chat model `{model}` is not available")]
     ModelUnavailable {
         /// The model's name.
         model: String,
@@ -32,8 +35,8 @@ pub enum PlanError {
     },
     /// The chat model answered, also when asked again, what cannot be a plan for this instruction.
     #[error(
-        "the chat model `{model}` failed at {stage}: {source}; it said `{reply}`. Try again, \
-         another model, or the planner `grammar`"
+        "the chat model `{model}` failed at {stage} with the answer `{reply}` (another model or \
+         the planner `grammar` may understand the instruction)"
     )]
     InvalidAnswer {
         /// The model's name.
@@ -76,7 +79,7 @@ pub enum AnswerError {
         most: usize,
     },
     /// One of its deliveries lacks a field or has one of another type.
-    #[error("a delivery cannot be read: {source}")]
+    #[error("a delivery cannot be read")]
     Delivery {
         /// What is wrong with it.
         source: Arc<serde_json::Error>,
@@ -124,9 +127,10 @@ pub enum AnswerError {
 }
 
 impl PartialEq for AnswerError {
-    /// Errors are equal if they say the same.
+    /// Errors are equal if they and their causes say the same: those of JSON cannot be compared
+    /// otherwise.
     fn eq(&self, other: &Self) -> bool {
-        self.to_string() == other.to_string()
+        with_causes(self) == with_causes(other)
     }
 }
 

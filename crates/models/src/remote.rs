@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Instant;
 
 use base64::Engine;
-use openbench_core::ModelUse;
+use openbench_core::{ModelUse, with_causes};
 use rig_core::completion::{CompletionRequest, CompletionResponse, FinishReason};
 use rig_core::driver::{DynModel, Model};
 use rig_core::message::{ImageMediaType, Message as RigMessage, UserContent};
@@ -221,7 +221,10 @@ impl Remote {
     }
 
     fn bad_schema(&self, error: &dyn std::error::Error) -> ChatError {
-        self.bad_request(&format!("its schema cannot be used: {error}"))
+        self.bad_request(&format!(
+            "its schema cannot be used: {}",
+            with_causes(error)
+        ))
     }
 
     fn reply(&self, response: &CompletionResponse) -> Result<ChatReply, ChatError> {
@@ -260,10 +263,12 @@ impl Remote {
             return error.clone();
         }
         match error {
-            ProviderError::Request(detail) => self.bad_request(&detail.to_string()),
-            ProviderError::Json(detail) => self.bad_reply(&format!("not JSON: {detail}")),
+            ProviderError::Request(detail) => self.bad_request(&with_causes(detail)),
+            ProviderError::Json(detail) => {
+                self.bad_reply(&format!("not JSON: {}", with_causes(detail)))
+            }
             ProviderError::ProviderResponse(response) => self.bad_reply(&response.body),
-            _ => self.bad_reply(&error.to_string()),
+            _ => self.bad_reply(&with_causes(error)),
         }
     }
 

@@ -12,7 +12,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use openbench_core::ModelUse;
+use openbench_core::{ModelUse, with_causes};
 use serde::{Deserialize, Serialize};
 
 use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, CountedReply, Message, Role};
@@ -150,6 +150,7 @@ impl<M: ChatModel, W: Write + Send> ChatModel for Recorder<M, W> {
 
     fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         let counted = self.model.chat_counted(request);
+        // Errors are recorded too: a replay must fail where the model failed.
         let exchange = Exchange::new(self.name(), request, &counted);
         let written = self
             .sink
@@ -160,7 +161,7 @@ impl<M: ChatModel, W: Write + Send> ChatModel for Recorder<M, W> {
             Ok(()) => counted,
             Err(error) => {
                 let error = ChatError::Recording {
-                    detail: error.to_string(),
+                    detail: with_causes(&error),
                 };
                 CountedReply {
                     reply: Err(error),

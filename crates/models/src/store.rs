@@ -52,7 +52,7 @@ impl ModelStore {
     }
 
     /// Whether the folder contains the file with the checksum of the catalogue.
-    pub fn has(&self, file: &ModelFile) -> bool {
+    pub fn contains(&self, file: &ModelFile) -> bool {
         let path = self.path(file);
         let right_size = path
             .metadata()
@@ -69,7 +69,7 @@ impl ModelStore {
             .iter()
             .find(|file| file.name == name && is_gguf(file))
         {
-            if self.has(file) {
+            if self.contains(file) {
                 return Ok(self.path(file));
             }
             return Err(StoreError::NotDownloaded { name: file.name });
@@ -90,7 +90,7 @@ impl ModelStore {
     /// # Errors
     /// [`StoreError::NotGguf`] if the file cannot be read or is not a GGUF file,
     /// [`StoreError::NameConflict`] if another file has its name, [`StoreError::Io`].
-    pub fn take_in(&self, path: &Path) -> Result<PathBuf, StoreError> {
+    pub fn add(&self, path: &Path) -> Result<PathBuf, StoreError> {
         let digest = gguf_digest(path).map_err(|source| StoreError::NotGguf {
             path: path.to_owned(),
             source,
@@ -221,7 +221,7 @@ mod tests {
             store.chat_model("mine"),
             Err(StoreError::NoSuchFile { .. })
         ));
-        let there = store.take_in(&file).unwrap();
+        let there = store.add(&file).unwrap();
         assert_eq!(std::fs::read(&there).unwrap(), b"GGUF and so on");
         assert_eq!(store.chat_model("mine").unwrap(), there);
         assert_eq!(store.chat_model(&file.to_string_lossy()).unwrap(), file);
@@ -247,17 +247,17 @@ mod tests {
         let store = ModelStore::new(folder.path().join("store"));
         let file = folder.path().join("mine.gguf");
         std::fs::write(&file, b"GGUF and so on").unwrap();
-        let there = store.take_in(&file).unwrap();
+        let there = store.add(&file).unwrap();
         std::fs::write(&file, b"GGUF and something else").unwrap();
         assert!(matches!(
-            store.take_in(&file),
+            store.add(&file),
             Err(StoreError::NameConflict { .. })
         ));
         assert_eq!(std::fs::read(&there).unwrap(), b"GGUF and so on");
         let of_the_catalogue = folder.path().join("smollm2-135m-instruct.gguf");
         std::fs::write(&of_the_catalogue, b"GGUF of mine").unwrap();
         assert!(matches!(
-            store.take_in(&of_the_catalogue),
+            store.add(&of_the_catalogue),
             Err(StoreError::NameConflict { .. })
         ));
     }
@@ -267,15 +267,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let store = ModelStore::new(folder.path().join("store"));
         let file = folder.path().join("mine.gguf");
-        assert!(matches!(
-            store.take_in(&file),
-            Err(StoreError::NotGguf { .. })
-        ));
+        assert!(matches!(store.add(&file), Err(StoreError::NotGguf { .. })));
         std::fs::write(&file, b"PK").unwrap();
-        assert!(matches!(
-            store.take_in(&file),
-            Err(StoreError::NotGguf { .. })
-        ));
+        assert!(matches!(store.add(&file), Err(StoreError::NotGguf { .. })));
     }
 
     #[test]

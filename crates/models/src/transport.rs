@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use http::{HeaderMap, Request, Response, header};
+use openbench_core::with_causes;
 use rig_core::http_client::{self, HttpClientExt, LazyBody, MultipartForm, StreamingResponse};
 use serde_json::Value;
 use ureq::Agent;
@@ -192,7 +193,7 @@ impl Transport {
                 wait: None,
             };
         }
-        let detail = self.redact(&error.to_string());
+        let detail = self.redact(&with_causes(error));
         Failure {
             error: ChatError::Unreachable { endpoint, detail },
             is_transient: true,

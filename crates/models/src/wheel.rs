@@ -12,11 +12,12 @@ use std::time::{Duration, Instant};
 use crate::catalogue::Wheel;
 use crate::error::{Cause, StoreError};
 
-/// Time limit for pip.
+/// Time limit for pip: the largest wheel, 98 MB, at 1 Mbit/s.
 const PIP_TIMEOUT: Duration = Duration::from_secs(900);
 /// Length of the output of pip in errors, characters.
 const QUOTED_CHARS: usize = 400;
-/// Commands for pip, in the order in which they are tried.
+/// Commands for pip, in the order in which they are tried: those that name an interpreter first,
+/// since a bare `pip` may be of another, broken installation.
 const PIP_COMMANDS: [&[&str]; 4] = [
     &["python3", "-m", "pip"],
     &["python", "-m", "pip"],

@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 
 use openbench_core::Address;
 
-use crate::hierarchy::{Above, called};
+use crate::hierarchy::{EnclosingPlace, called};
 use crate::map::{Entrance, OsmMap};
 use crate::names::fold_unit;
 use crate::tags::Tags;
@@ -95,7 +95,7 @@ pub fn locate(map: &OsmMap, address: &Address) -> Location {
 /// The buildings with a name. If there are none, the name may end as in `building3, Rose Estate`:
 /// then the buildings named before the comma that lie in the place behind it.
 fn matching<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
-    let (mut inner, mut around): (&str, Vec<Above>) = (name, Vec::new());
+    let (mut inner, mut around): (&str, Vec<EnclosingPlace>) = (name, Vec::new());
     loop {
         let found = map.names.buildings(inner);
         if !found.is_empty() || around.len() == MOST_LEVELS {
@@ -110,7 +110,11 @@ fn matching<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
 }
 
 /// Those of the buildings that lie in all of `around`.
-fn lying_in<'a>(map: &'a OsmMap, buildings: &'a [usize], around: &[Above]) -> Cow<'a, [usize]> {
+fn lying_in<'a>(
+    map: &'a OsmMap,
+    buildings: &'a [usize],
+    around: &[EnclosingPlace],
+) -> Cow<'a, [usize]> {
     if around.is_empty() {
         return Cow::Borrowed(buildings);
     }

@@ -100,6 +100,8 @@ impl<'a> Shaper<'a> {
         Self {
             data,
             projection,
+            // Real maps use each node of a way in one or two areas, so 16 uses are ample. The
+            // million lets small maps with many tags through.
             budget: Cell::new(1_000_000 + 16 * references),
         }
     }
@@ -113,6 +115,7 @@ impl<'a> Shaper<'a> {
             .iter()
             .map(|(key, value)| key.len() + value.len())
             .sum();
+        // A point has 16 bytes.
         let left = self.budget.get().checked_sub(points + words / 16);
         self.budget.set(left.unwrap_or_default());
         left.is_some()
@@ -155,6 +158,7 @@ impl<'a> Shaper<'a> {
         let members = relation.members.iter().filter(|member| {
             member.kind == ElementKind::Way && (member.role == "inner") == (side == Side::Inner)
         });
+        // Some relations list a way twice, which would make two pieces of one ring.
         let mut seen = BTreeSet::new();
         let once = members.filter(|member| seen.insert(member.id));
         let ways = once.filter_map(|member| self.data.ways.get(&member.id));
@@ -184,6 +188,8 @@ impl<'a> Shaper<'a> {
 /// Cuts each hole out of the smallest polygon around it. Returns how many holes lie in none.
 fn cut_holes(polygons: &mut [Polygon], holes: Vec<Vec<MapPoint>>) -> usize {
     let tree = BoxTree::new(polygons.iter().map(Polygon::bounds));
+    // An island in a lake on an island lies in two outlines. Areas are compared without holes, so
+    // that the order of the holes has no effect.
     let solid = polygons.to_vec();
     let mut stray = 0;
     for hole in holes

@@ -12,6 +12,7 @@ use crate::visitor::{Elements, MemberRef, NodeRef, RelationRef, TagRef, TagsRef,
 
 /// Irregularities that reading tolerated, counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct ReadReport {
     /// Ways that reference at least one node which the data lacks.
     pub ways_with_missing_nodes: usize,

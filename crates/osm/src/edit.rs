@@ -18,15 +18,19 @@ use crate::tags::Tags;
 use crate::write::round7;
 use openbench_geometry::Segment;
 
-/// The distance of a door from corners and other doors, metres; a third of a shorter wall.
+/// The distance of a door from corners and other doors, metres; a third of a shorter wall. A node
+/// at a corner would be of two walls.
 const CLEARANCE_M: f64 = 0.05;
-/// A node farther than this from the line between its neighbours is a corner, metres.
+/// A node farther than this from the line between its neighbours is a corner, metres. Rounding to
+/// seven decimals moves a node by up to 6 mm.
 const CORNER_M: f64 = 0.05;
-/// Two doors without a unit are the same door if they are no farther apart than this, metres.
+/// Two doors without a unit are the same door if they are no farther apart than this, metres: as
+/// far as two sightings of one door differ, and less than two doors of one house are apart.
 const SAME_DOOR_M: f64 = 2.0;
 
 /// An entrance after it was written into the data.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct NewEntrance {
     /// Number of its node.
     pub node: i64,
@@ -164,6 +168,7 @@ fn write_door(
         Some(old) => remove_door(data, old, tags),
         None => (free_id(data), tags),
     };
+    // Once more: an old door that was removed is no end of a wall any longer.
     let wall =
         nearest_wall(data, projection, &outline, at).ok_or(EditError::NoOutline(building))?;
     if let Some(name) = data.tags(building).and_then(|tags| tags.get("name"))
@@ -171,6 +176,7 @@ fn write_door(
     {
         tags.insert("addr:housename", name);
     }
+    // Files hold seven decimals, so the door is where a reader of the file will see it.
     let exact = projection.to_lonlat(wall.place);
     let lonlat = LonLat::new(round7(exact.lon), round7(exact.lat));
     insert_between(data, &wall, id);
@@ -253,8 +259,12 @@ fn nearest_wall(
 
 /// The line between two nodes; `None` if the data lacks one of them.
 fn side_between(data: &OsmData, projection: &Projection, a: i64, b: i64) -> Option<Segment> {
-    let point = |id: i64| Some(projection.to_map(data.nodes.get(&id)?.position));
-    Some(Segment::new(point(a)?, point(b)?))
+    let start = data.nodes.get(&a)?.position;
+    let end = data.nodes.get(&b)?.position;
+    Some(Segment::new(
+        projection.to_map(start),
+        projection.to_map(end),
+    ))
 }
 
 fn clear_of_ends(side: Segment, at: MapPoint) -> MapPoint {
@@ -283,6 +293,7 @@ fn insert_between(data: &mut OsmData, wall: &Wall, node: i64) {
         let places: Vec<usize> = (1..way.nodes.len())
             .filter(|i| wall.is_between(&way.nodes[i - 1..=*i]))
             .collect();
+        // From the end, so that indices stay right.
         for i in places.into_iter().rev() {
             way.nodes.insert(i, node);
         }

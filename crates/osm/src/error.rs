@@ -1,4 +1,6 @@
 //! Why map data could not be read or written, and where in it.
+//!
+//! No text repeats its source: `openbench_core::with_causes` prints both.
 
 use std::borrow::Cow;
 use std::error::Error;
@@ -11,7 +13,7 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum OsmError {
     /// The file system refused.
-    #[error("cannot {doing} {}: {source}", path.display())]
+    #[error("cannot {doing} {}", path.display())]
     Io {
         /// `read` or `write`.
         doing: &'static str,
@@ -96,10 +98,12 @@ pub(crate) struct Problem {
 
 impl Problem {
     /// `what` went wrong because of `source`.
-    pub(crate) fn caused(what: &str, source: impl Error + Send + Sync + 'static) -> Self {
-        let text = Cow::Owned(format!("{what}: {source}"));
+    pub(crate) fn caused(
+        what: impl Into<Cow<'static, str>>,
+        source: impl Error + Send + Sync + 'static,
+    ) -> Self {
         Self {
-            text,
+            text: what.into(),
             source: Some(Box::new(source)),
         }
     }
@@ -136,7 +140,7 @@ mod tests {
         let error = OsmError::malformed(Place::Byte(7), problem).in_file("map.osm.pbf".as_ref());
         assert_eq!(
             error.to_string(),
-            "map.osm.pbf: byte 7: this blob cannot be decompressed: cut off"
+            "map.osm.pbf: byte 7: this blob cannot be decompressed"
         );
         assert_eq!(error.source().unwrap().to_string(), "cut off");
     }

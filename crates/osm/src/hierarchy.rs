@@ -9,7 +9,7 @@ use crate::names::fold;
 use crate::tags::Tags;
 
 /// Keys of the levels above a building, the widest first.
-const ABOVE: [(&str, Level); 9] = [
+const LEVEL_KEYS: [(&str, Level); 9] = [
     ("addr:city", Level::District),
     ("addr:district", Level::District),
     ("addr:suburb", Level::District),
@@ -23,7 +23,7 @@ const ABOVE: [(&str, Level); 9] = [
 
 /// A street, quarter or town that the map names.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Above {
+pub struct EnclosingPlace {
     /// Its kind and its name.
     pub level: AddressLevel,
     /// Areas of that name: indices into [`OsmMap::areas`].
@@ -32,7 +32,7 @@ pub struct Above {
     on_road: Option<MapPoint>,
 }
 
-impl Above {
+impl EnclosingPlace {
     /// Whether a building of [`OsmMap::buildings`] lies in it: by its tags, or because an area
     /// contains its centroid.
     pub fn holds(&self, map: &OsmMap, building: usize) -> bool {
@@ -40,12 +40,13 @@ impl Above {
             return false;
         };
         let wanted = fold(&self.level.name);
-        let middle = || building.polygon.centroid();
-        tagged(&building.tags).any(|level| fold(&level.name) == wanted)
-            || self
-                .areas
-                .iter()
-                .any(|area| map.areas[*area].polygon.contains(middle()))
+        if tagged(&building.tags).any(|level| fold(&level.name) == wanted) {
+            return true;
+        }
+        let middle = building.polygon.centroid();
+        self.areas
+            .iter()
+            .any(|area| map.areas[*area].polygon.contains(middle))
     }
 
     /// A point in it: the centroid of an area, or a point on a road.
@@ -57,7 +58,7 @@ impl Above {
 }
 
 /// The levels above a building of [`OsmMap::buildings`] that its own tags name, the widest first.
-pub fn above(map: &OsmMap, building: usize) -> Vec<AddressLevel> {
+pub fn enclosing_levels(map: &OsmMap, building: usize) -> Vec<AddressLevel> {
     map.buildings
         .get(building)
         .map(|building| tagged(&building.tags).collect())
@@ -66,56 +67,61 @@ pub fn above(map: &OsmMap, building: usize) -> Vec<AddressLevel> {
 
 /// All streets, quarters and towns that the map names, each once. Takes time proportional to the
 /// number of roads, areas and buildings.
-pub fn all_above(map: &OsmMap) -> Vec<Above> {
-    let mut found: BTreeMap<AddressLevel, Above> = BTreeMap::new();
-    let mut entry = |level: AddressLevel, area: Option<usize>, on_road: Option<MapPoint>| {
-        let empty = || Above {
-            level: level.clone(),
-            areas: Vec::new(),
-            on_road: None,
-        };
-        let above = found.entry(level.clone()).or_insert_with(empty);
-        above.areas.extend(area);
-        above.on_road = above.on_road.or(on_road);
-    };
-    let name_of = |tags: &Tags, level| named(level, tags.get("name")?);
+pub fn enclosing_places(map: &OsmMap) -> Vec<EnclosingPlace> {
+    let mut found: BTreeMap<AddressLevel, EnclosingPlace> = BTreeMap::new();
     for (i, area) in map.areas.iter().enumerate() {
-        name_of(&area.tags, Level::District)
-            .into_iter()
-            .for_each(|level| entry(level, Some(i), None));
+        if let Some(level) = own_name(&area.tags, Level::District) {
+            place_of(&mut found, level).areas.push(i);
+        }
     }
     for road in &map.roads {
-        let middle = road.points.get(road.points.len() / 2).copied();
-        name_of(&road.tags, Level::Street)
-            .into_iter()
-            .for_each(|level| entry(level, None, middle));
+        if let Some(level) = own_name(&road.tags, Level::Street) {
+            let middle = road.points.get(road.points.len() / 2).copied();
+            let street = place_of(&mut found, level);
+            // The first of its roads: any point on the street will do.
+            street.on_road = street.on_road.or(middle);
+        }
     }
     for building in &map.buildings {
-        tagged(&building.tags).for_each(|level| entry(level, None, None));
+        for level in tagged(&building.tags) {
+            place_of(&mut found, level);
+        }
     }
     found.into_values().collect()
 }
 
+/// The place of a name, which is added without area and road if it is not there yet.
+fn place_of(
+    found: &mut BTreeMap<AddressLevel, EnclosingPlace>,
+    level: AddressLevel,
+) -> &mut EnclosingPlace {
+    found
+        .entry(level)
+        .or_insert_with_key(|level| EnclosingPlace {
+            level: level.clone(),
+            areas: Vec::new(),
+            on_road: None,
+        })
+}
+
+fn own_name(tags: &Tags, level: Level) -> Option<AddressLevel> {
+    named(level, tags.get("name")?)
+}
+
 /// Whatever has this name, as all levels at once.
-pub(crate) fn called(map: &OsmMap, name: &str) -> Above {
+pub(crate) fn called(map: &OsmMap, name: &str) -> EnclosingPlace {
     let wanted = fold(name);
-    let is_named = |area: &Area| {
-        area.tags
-            .get("name")
-            .is_some_and(|name| fold(name) == wanted)
-    };
-    let areas = map
-        .areas
-        .iter()
-        .enumerate()
-        .filter(|(_, area)| is_named(area))
-        .map(|(i, _)| i)
+    let areas = (0..map.areas.len())
+        .filter(|i| {
+            let name = map.areas[*i].tags.get("name");
+            name.is_some_and(|name| fold(name) == wanted)
+        })
         .collect();
     let level = AddressLevel {
         level: Level::District,
         name: name.to_owned(),
     };
-    Above {
+    EnclosingPlace {
         level,
         areas,
         on_road: None,
@@ -123,7 +129,7 @@ pub(crate) fn called(map: &OsmMap, name: &str) -> Above {
 }
 
 fn tagged(tags: &Tags) -> impl Iterator<Item = AddressLevel> + '_ {
-    ABOVE
+    LEVEL_KEYS
         .iter()
         .filter_map(|(key, level)| named(*level, tags.get(key)?))
 }

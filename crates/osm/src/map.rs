@@ -17,7 +17,8 @@ use crate::spatial::BoxTree;
 use crate::tags::Tags;
 use openbench_geometry::Polygon;
 
-/// A door farther than this from every outline belongs to no building, metres.
+/// A door farther than this from every outline belongs to no building, metres: porches and canopies
+/// stand so far in front of a wall, and many maps are no more exact.
 const DOOR_REACH_M: f64 = 3.0;
 
 /// A building.
@@ -89,6 +90,7 @@ pub struct Entrance {
 
 /// Elements that could not be used, counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct MapReport {
     /// Buildings without an outline: not closed, with too few nodes in the data, or without area.
     pub broken_buildings: usize,

@@ -28,13 +28,13 @@ pub fn building_name(tags: &Tags) -> Option<String> {
         .get("name")
         .or_else(|| tags.get("addr:housename"))
         .map(str::to_owned);
-    let street = || {
-        street(tags)
+    let street_and_number = || {
+        street_or_place(tags)
             .zip(number)
             .map(|(street, number)| format!("{street} {number}"))
     };
     plain
-        .or_else(street)
+        .or_else(street_and_number)
         .or_else(|| number.or_else(|| tags.get("ref")).map(str::to_owned))
 }
 
@@ -46,7 +46,7 @@ pub(crate) fn full_names(tags: &Tags) -> Vec<String> {
         .filter(|(key, _)| is_name_key(key))
         .flat_map(|(_, v)| list(v))
         .collect();
-    if let (Some(street), Some(numbers)) = (street(tags), tags.get("addr:housenumber")) {
+    if let (Some(street), Some(numbers)) = (street_or_place(tags), tags.get("addr:housenumber")) {
         for number in numbers
             .split([';', ','])
             .map(str::trim)
@@ -184,7 +184,7 @@ fn list(value: &str) -> impl Iterator<Item = String> {
 }
 
 /// The street of an address, or the place that numbers houses without a street (`addr:place`).
-pub fn street(tags: &Tags) -> Option<&str> {
+pub fn street_or_place(tags: &Tags) -> Option<&str> {
     tags.get("addr:street").or_else(|| tags.get("addr:place"))
 }
 

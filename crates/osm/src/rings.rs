@@ -28,6 +28,7 @@ pub(crate) fn assemble(pieces: &[&[i64]]) -> Assembled {
             };
             chain.extend_from_slice(&next[1..]);
         }
+        // A triangle has four nodes with the first one repeated.
         if chain.len() > 3 && chain.first() == chain.last() {
             chain.pop();
             rings.push(chain);
@@ -47,6 +48,7 @@ struct Loose<'a> {
 impl<'a> Loose<'a> {
     fn new(pieces: &[&'a [i64]]) -> Self {
         let mut by_end: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+        // In reverse, since the last of each list is taken first.
         for (i, piece) in pieces.iter().enumerate().rev() {
             for end in [piece.first(), piece.last()].into_iter().flatten() {
                 by_end.entry(*end).or_default().push(i);

@@ -301,9 +301,9 @@ fn attributes<'a, const N: usize>(
             .position(|name| *name == attribute.key.as_ref())
         {
             let value = attribute.normalized_value(XmlVersion::Implicit1_0);
-            let unreadable =
-                |error| Problem::caused(&format!("unreadable value of {}", names[i]), error);
-            values[i] = Some(value.map_err(unreadable)?);
+            values[i] = Some(value.map_err(|error| {
+                Problem::caused(format!("unreadable value of {}", names[i]), error)
+            })?);
         }
     }
     Ok(values)

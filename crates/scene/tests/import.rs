@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use openbench_core::with_causes;
 use openbench_scene::{ImportError, ImportRequest, SemanticClass, World, import_world};
 use tempfile::TempDir;
 
@@ -620,7 +621,7 @@ fn errors_have_the_place_of_what_cannot_be_imported() {
         ),
     ];
     for (result, expected) in cases {
-        let error = result.unwrap_err().to_string();
+        let error = with_causes(&result.unwrap_err());
         assert!(error.contains(expected), "{error} lacks {expected}");
     }
 }

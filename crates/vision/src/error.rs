@@ -1,4 +1,6 @@
 //! Errors of reading an image.
+//!
+//! No text repeats its source: `openbench_core::with_causes` prints both.
 
 use std::path::PathBuf;
 
@@ -18,11 +20,11 @@ pub enum ReaderError {
         detail: String,
     },
     /// The image cannot be encoded as PNG, the format for vision-language models.
-    #[error("the image cannot be encoded as PNG: {0}")]
+    #[error("the image cannot be encoded as PNG")]
     Encoding(#[from] image::ImageError),
     /// A model file is missing, damaged, or of another kind than expected.
     #[error(
-        "cannot use the model file {}: {source}; download it with `openbench models pull`",
+        "cannot use the model file {}; download it with `openbench models pull`",
         file.display()
     )]
     Model {
@@ -32,7 +34,7 @@ pub enum ReaderError {
         source: Cause,
     },
     /// A network fails on this image.
-    #[error("text {stage} failed: {source}")]
+    #[error("text {stage} failed")]
     Inference {
         /// `detection` or `recognition`.
         stage: &'static str,
@@ -40,10 +42,10 @@ pub enum ReaderError {
         source: Cause,
     },
     /// The vision-language model does not answer.
-    #[error("no answer of the vision-language model: {0}")]
+    #[error("no answer of the vision-language model")]
     Chat(#[from] ChatError),
     /// The answer of the vision-language model is not a list of plates.
-    #[error("{model} did not answer with a list of plates: {source}")]
+    #[error("{model} did not answer with a list of plates")]
     BadAnswer {
         /// Name of the model.
         model: String,

@@ -76,7 +76,7 @@ mod tests {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU32, Ordering};
 
-    use openbench_core::SimTime;
+    use openbench_core::{SimTime, with_causes};
 
     use super::*;
 
@@ -117,7 +117,7 @@ mod tests {
         };
         let said = (0..6).map(|_| match reader.read(&image) {
             Ok(readings) => readings[0].text.clone(),
-            Err(error) => error.to_string(),
+            Err(error) => with_causes(&error),
         });
         (said.collect(), calls.load(Ordering::SeqCst))
     }

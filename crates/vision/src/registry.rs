@@ -36,7 +36,7 @@ pub enum RegistryError {
         known: String,
     },
     /// The constructor of a reader fails.
-    #[error("cannot make the plate reader `{name}`: {source}")]
+    #[error("cannot make the plate reader `{name}`")]
     Make {
         /// The name.
         name: String,

@@ -5,7 +5,7 @@ use openbench::{AgentError, AgentRequest};
 use openbench_core::address::fold_name;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, Goal};
-use openbench_core::{LidarPoint, MapPoint, Observation, RobotDescription, Velocity};
+use openbench_core::{LidarPoint, MapPoint, Observation, RobotDescription, Velocity, with_causes};
 use openbench_localization::{DeadReckoning, Localizer};
 use openbench_osm::{OsmData, OsmMap};
 
@@ -37,7 +37,7 @@ impl Agent for Beeline {
             detail: detail.into(),
         };
         let data = OsmData::from_bytes(&briefing.map_osm)
-            .map_err(|e| give_up(FailureCause::Briefing, &e.to_string()))?;
+            .map_err(|e| give_up(FailureCause::Briefing, &with_causes(&e)))?;
         let map = OsmMap::new(&data, briefing.georeference);
         let Goal::Instruction(words) = &briefing.goal else {
             return Err(give_up(FailureCause::NotUnderstood, "words only"));

@@ -88,7 +88,6 @@ fn is_same_file(one: &Path, other: &Path) -> bool {
 /// Reads a map and lays it flat where it lies.
 pub fn read_map(path: &Path) -> anyhow::Result<OsmMap> {
     let data = read_data(path)?;
-    let georeference =
-        default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
+    let georeference = default_georeference(&data).with_context(|| path.display().to_string())?;
     Ok(OsmMap::new(&data, georeference))
 }

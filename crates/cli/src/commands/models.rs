@@ -12,7 +12,7 @@ pub fn run(args: &ModelsArgs) -> anyhow::Result<Outcome> {
     match &args.command {
         ModelsCommand::List => list(&store),
         ModelsCommand::Pull { name } if is_file(name) => {
-            say(&format!("{}\n", store.take_in(name.as_ref())?.display()))?;
+            say(&format!("{}\n", store.add(name.as_ref())?.display()))?;
             Ok(Outcome::Done)
         }
         ModelsCommand::Pull { name } if name.contains('/') || name.ends_with(".gguf") => {
@@ -20,7 +20,7 @@ pub fn run(args: &ModelsArgs) -> anyhow::Result<Outcome> {
         }
         ModelsCommand::Pull { name } => {
             let mut progress = PullProgress::default();
-            for path in store.ensure(name, &mut |event| progress.show(event))? {
+            for path in store.download(name, &mut |event| progress.show(event))? {
                 say(&format!("{}\n", path.display()))?;
             }
             Ok(Outcome::Done)
@@ -35,7 +35,11 @@ fn is_file(word: &str) -> bool {
 
 fn list(store: &ModelStore) -> anyhow::Result<Outcome> {
     for file in &CATALOGUE {
-        let here = if store.has(file) { "here" } else { "not here" };
+        let here = if store.contains(file) {
+            "here"
+        } else {
+            "not here"
+        };
         say(&format!(
             "{:<26} {:>6.1} MB  {:<11} {:<9} from {}  sha256 {}\n",
             file.name,

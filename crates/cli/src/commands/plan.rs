@@ -1,7 +1,8 @@
 //! `openbench plan`
 
+use anyhow::Context;
 use openbench_agents::open::Catalogue;
-use openbench_core::{MapPoint, ModelUse, Plan};
+use openbench_core::{MapPoint, ModelUse, Plan, with_causes};
 use openbench_language::PlanRequest;
 use openbench_osm::{OsmMap, default_georeference};
 use openbench_routing::{MapRouter, Profile, RouterTimes};
@@ -25,7 +26,7 @@ pub fn run(args: &PlanArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     let planner = parts.planner(&args.planner, &mut models)?;
     let data = read_data(&args.map)?;
     let georeference =
-        default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", args.map.display()))?;
+        default_georeference(&data).with_context(|| args.map.display().to_string())?;
     let map = OsmMap::new(&data, georeference);
     let router = MapRouter::new(&data, map.projection.clone(), Profile::delivery())?;
     let times = RouterTimes {
@@ -40,7 +41,7 @@ pub fn run(args: &PlanArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     };
     let planned = planner.plan(&request);
     if let Err(error) = &planned {
-        crate::outcome::tell(&format!("openbench: {error}"));
+        crate::outcome::tell(&format!("openbench: {}", with_causes(error)));
     }
     let nothing = || Plan {
         planner: planner.name().to_owned(),

@@ -13,6 +13,7 @@ use hyper::service::service_fn;
 use hyper::{Method, Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
+use openbench_core::with_causes;
 use openbench_routing::osrm::{Limits, Service, ServiceMemory};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
@@ -75,7 +76,7 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
             Ok(accepted) => accepted,
             Err(error) => {
                 // Out of file handles, or a closed connection: others can still be served.
-                tracing::warn!("a connection was not accepted: {error}");
+                tracing::warn!("a connection was not accepted: {}", with_causes(&error));
                 tokio::time::sleep(Duration::from_millis(50)).await;
                 continue;
             }
@@ -96,7 +97,9 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
         tokio::spawn(async move {
             // A client that does not read its answer is not waited for without end.
             match tokio::time::timeout(LONGEST_CONNECTION, connection).await {
-                Ok(Err(error)) => tracing::debug!("a connection ended: {error}"),
+                Ok(Err(error)) => {
+                    tracing::debug!("a connection ended: {}", with_causes(&error))
+                }
                 Ok(Ok(())) => {}
                 Err(_) => tracing::debug!("a connection was ended after {LONGEST_CONNECTION:?}"),
             }

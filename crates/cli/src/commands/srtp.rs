@@ -28,7 +28,7 @@ const SHOWN: usize = 10;
 pub fn run(args: &SrtpArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     let mut models = unbounded_models(&args.planner, args.exchanges.as_deref())?;
     let planner: Box<dyn Planner> = if args.bare {
-        Box::new(ChatPlanner::bare(models.open(&args.planner)?))
+        Box::new(ChatPlanner::unverified(models.open(&args.planner)?))
     } else {
         parts.planner(&args.planner, &mut models)?
     };

@@ -142,11 +142,13 @@ fn get(url: &str) -> Result<impl Read + use<>, DatasetError> {
         .timeout_recv_response(Some(ANSWER_TIMEOUT))
         .build()
         .into();
-    let failed = |error| DatasetError::Download {
-        url: url.to_owned(),
-        source: Box::new(error),
-    };
-    let response = agent.get(url).call().map_err(failed)?;
+    let response = agent
+        .get(url)
+        .call()
+        .map_err(|error| DatasetError::Download {
+            url: url.to_owned(),
+            source: Box::new(error),
+        })?;
     Ok(response.into_body().into_reader().take(MOST_BYTES))
 }
 
@@ -166,22 +168,35 @@ fn take(
     store(&bytes, folder, missing)
 }
 
-/// Stores the files of an archive that are missing.
+/// Stores the files of a compressed archive that are missing.
 fn unpack(
     body: impl Read,
     url: &str,
     folder: &Path,
     missing: &mut Vec<&DataFile>,
 ) -> Result<(), DatasetError> {
-    let broken = |source| DatasetError::Read {
-        url: url.to_owned(),
-        source,
-    };
-    let mut archive = tar::Archive::new(GzDecoder::new(body).take(MOST_UNPACKED_BYTES));
-    for entry in archive.entries().map_err(broken)? {
-        let entry = entry.map_err(broken)?;
+    // A small archive can unpack to more than a disk holds.
+    let unpacked = GzDecoder::new(body).take(MOST_UNPACKED_BYTES);
+    store_entries(unpacked, url, folder, missing)
+}
+
+/// Stores the files of an archive that are missing.
+///
+/// Names and links in the archive are ignored: they could lead out of the folder. The manifest
+/// names the file with that content.
+fn store_entries(
+    archive: impl Read,
+    url: &str,
+    folder: &Path,
+    missing: &mut Vec<&DataFile>,
+) -> Result<(), DatasetError> {
+    let mut archive = tar::Archive::new(archive);
+    for entry in archive.entries().map_err(|error| broken(url, error))? {
+        let entry = entry.map_err(|error| broken(url, error))?;
         let size = entry.size();
-        if entry.header().entry_type().is_file() && missing.iter().any(|file| file.bytes == size) {
+        let is_wanted = missing.iter().any(|file| file.bytes == size);
+        // Other sizes are not read into memory: an archive may declare any.
+        if entry.header().entry_type().is_file() && is_wanted {
             let bytes = read(entry, size, url)?;
             store(&bytes, folder, missing)?;
         }
@@ -192,15 +207,21 @@ fn unpack(
     Ok(())
 }
 
-/// What arrives, up to one byte more than expected.
+/// What arrives, up to one byte more than expected: that one reveals a longer file.
 fn read(body: impl Read, most: u64, url: &str) -> Result<Vec<u8>, DatasetError> {
     let mut bytes = Vec::new();
-    let outcome = body.take(most + 1).read_to_end(&mut bytes);
-    outcome.map_err(|source| DatasetError::Read {
+    body.take(most + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| broken(url, error))?;
+    Ok(bytes)
+}
+
+/// The error of a connection or an archive.
+fn broken(url: &str, source: io::Error) -> DatasetError {
+    DatasetError::Read {
         url: url.to_owned(),
         source,
-    })?;
-    Ok(bytes)
+    }
 }
 
 /// Stores content under every name that it has in the manifest.
@@ -251,7 +272,139 @@ impl<R: Read> Read for Counted<'_, R> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write;
+
+    use flate2::Compression;
+    use flate2::write::GzEncoder;
+    use tar::EntryType;
+
     use super::*;
+
+    /// The bytes of an archive's entry under any name, which `tar` itself would refuse to write.
+    fn entry(name: &str, kind: EntryType, link: &str, bytes: &[u8]) -> Vec<u8> {
+        let mut header = tar::Header::new_old();
+        let old = header.as_old_mut();
+        old.name[..name.len()].copy_from_slice(name.as_bytes());
+        old.linkname[..link.len()].copy_from_slice(link.as_bytes());
+        header.set_entry_type(kind);
+        header.set_size(bytes.len() as u64);
+        header.set_mode(0o644);
+        header.set_cksum();
+        let mut entry = [header.as_bytes().as_slice(), bytes].concat();
+        entry.resize(entry.len().next_multiple_of(512), 0);
+        entry
+    }
+
+    /// A compressed archive of entries.
+    fn packed(entries: &[Vec<u8>]) -> Vec<u8> {
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
+        encoder.write_all(&entries.concat()).unwrap();
+        encoder.write_all(&[0; 1024]).unwrap();
+        encoder.finish().unwrap()
+    }
+
+    fn wanted(bytes: &[u8], name: &str) -> DataFile {
+        DataFile {
+            sha256: sha256(bytes),
+            bytes: bytes.len() as u64,
+            name: name.into(),
+        }
+    }
+
+    /// Files below a folder, with their folders.
+    fn names_below(folder: &Path) -> Vec<String> {
+        let mut names = Vec::new();
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let entry = entry.unwrap();
+            names.push(entry.file_name().into_string().unwrap());
+            if entry.file_type().unwrap().is_dir() {
+                names.extend(names_below(&entry.path()));
+            }
+        }
+        names
+    }
+
+    #[test]
+    fn files_of_an_archive_get_the_names_of_the_manifest() {
+        let outer = tempfile::tempdir().unwrap();
+        let folder = outer.path().join("set");
+        let files = [wanted(b"first", "a/first"), wanted(b"second", "second")];
+        let mut missing: Vec<&DataFile> = files.iter().collect();
+        let archive = packed(&[
+            entry("../../evil", EntryType::Regular, "", b"first"),
+            entry("/evil", EntryType::Regular, "", b"second"),
+        ]);
+        unpack(&archive[..], "url", &folder, &mut missing).unwrap();
+        assert!(missing.is_empty());
+        assert_eq!(std::fs::read(folder.join("a/first")).unwrap(), b"first");
+        assert_eq!(std::fs::read(folder.join("second")).unwrap(), b"second");
+        assert_eq!(names_below(outer.path()).len(), 4, "folders and files");
+    }
+
+    #[test]
+    fn links_and_folders_of_an_archive_are_ignored() {
+        let outer = tempfile::tempdir().unwrap();
+        let folder = outer.path().join("set");
+        let file = wanted(b"right", "a/file");
+        let mut missing = vec![&file];
+        let archive = packed(&[
+            entry("a", EntryType::Symlink, "/tmp", b""),
+            entry("a/file", EntryType::Link, "../secret", b""),
+            entry("../up", EntryType::Directory, "", b""),
+            entry("dev", EntryType::Char, "", b""),
+        ]);
+        unpack(&archive[..], "url", &folder, &mut missing).unwrap();
+        assert_eq!(missing.len(), 1);
+        assert!(names_below(outer.path()).is_empty());
+    }
+
+    #[test]
+    fn a_link_in_an_archive_does_not_redirect_a_later_file() {
+        let outer = tempfile::tempdir().unwrap();
+        let folder = outer.path().join("set");
+        let file = wanted(b"right", "a/file");
+        let mut missing = vec![&file];
+        let archive = packed(&[
+            entry("a", EntryType::Symlink, "..", b""),
+            entry("a/file", EntryType::Regular, "", b"right"),
+        ]);
+        unpack(&archive[..], "url", &folder, &mut missing).unwrap();
+        assert!(missing.is_empty());
+        assert!(!folder.join("a").is_symlink());
+        assert_eq!(names_below(outer.path()), ["set", "a", "file"]);
+    }
+
+    #[test]
+    fn archives_beyond_the_limit_and_truncated_ones_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = wanted(b"right", "file");
+        let large = entry("large", EntryType::Regular, "", &[0; 4096]);
+        let right = entry("file", EntryType::Regular, "", b"right");
+        let archive = [large.clone(), right.clone()].concat();
+        let mut missing = vec![&file];
+        // As if 2048 bytes were the limit for unpacked archives.
+        let limited = archive.as_slice().take(2048);
+        let read = store_entries(limited, "url", folder.path(), &mut missing);
+        assert!(matches!(read, Err(DatasetError::Read { .. })), "{read:?}");
+        let whole = packed(&[large, right]);
+        let half = &whole[..whole.len() / 2];
+        let read = unpack(half, "url", folder.path(), &mut missing);
+        assert!(matches!(read, Err(DatasetError::Read { .. })), "{read:?}");
+        assert_eq!(missing.len(), 1);
+        assert!(names_below(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn a_file_that_is_longer_than_pinned_is_not_stored() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = wanted(b"right", "file");
+        let mut missing = vec![&file];
+        take(&b"right and more"[..], "url", folder.path(), &mut missing).unwrap();
+        assert_eq!(missing.len(), 1);
+        let longest = read(&[0; 64][..], 5, "url").unwrap();
+        assert_eq!(longest.len(), 6);
+        assert!(names_below(folder.path()).is_empty());
+    }
 
     #[test]
     fn a_mirror_is_another_host_with_the_same_path() {

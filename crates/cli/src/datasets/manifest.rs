@@ -37,7 +37,7 @@ pub enum Source {
 /// A file of a data set.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DataFile {
-    /// SHA-256, hexadecimal.
+    /// SHA-256 in lower-case hexadecimal digits.
     pub sha256: String,
     /// Its size.
     pub bytes: u64,
@@ -57,17 +57,7 @@ impl FromStr for Dataset {
     type Err = ManifestError;
 
     fn from_str(text: &str) -> Result<Self, ManifestError> {
-        let header = |key: &str| -> Option<String> {
-            let lines = text
-                .lines()
-                .filter_map(|line| line.strip_prefix("# ")?.split_once(": "));
-            lines
-                .into_iter()
-                .find(|(name, _)| *name == key)
-                .map(|(_, value)| value.to_owned())
-        };
-        let missing = |problem| ManifestError { line: 1, problem };
-        let source = match (header("archive"), header("file")) {
+        let source = match (header(text, "archive"), header(text, "file")) {
             (Some(url), None) => Source::Archive(url),
             (None, Some(url)) => Source::File(url),
             _ => return Err(missing("exactly one of `archive` and `file` is needed")),
@@ -76,10 +66,10 @@ impl FromStr for Dataset {
             .zip(text.lines())
             .filter(|(_, line)| !line.starts_with('#'));
         Ok(Self {
-            name: header("name").ok_or(missing("`name` is missing"))?,
-            about: header("about").ok_or(missing("`about` is missing"))?,
-            origin: header("source").ok_or(missing("`source` is missing"))?,
-            licence: header("licence").ok_or(missing("`licence` is missing"))?,
+            name: header(text, "name").ok_or(missing("`name` is missing"))?,
+            about: header(text, "about").ok_or(missing("`about` is missing"))?,
+            origin: header(text, "source").ok_or(missing("`source` is missing"))?,
+            licence: header(text, "licence").ok_or(missing("`licence` is missing"))?,
             source,
             files: numbered
                 .map(|(line, text)| file(line, text))
@@ -88,16 +78,28 @@ impl FromStr for Dataset {
     }
 }
 
+/// The value of the first line `# key: value`.
+fn header(text: &str, key: &str) -> Option<String> {
+    text.lines()
+        .filter_map(|line| line.strip_prefix("# ")?.split_once(": "))
+        .find(|(name, _)| *name == key)
+        .map(|(_, value)| value.to_owned())
+}
+
+/// The error of a header, which has no line of its own.
+fn missing(problem: &'static str) -> ManifestError {
+    ManifestError { line: 1, problem }
+}
+
 fn file(line: usize, text: &str) -> Result<DataFile, ManifestError> {
-    let problem = "expected SHA-256, bytes and name";
+    let problem = "expected SHA-256 in lower case, bytes, and a name below the folder";
     let words: Vec<&str> = text.split_whitespace().collect();
     let &[sha256, bytes, name] = words.as_slice() else {
         return Err(ManifestError { line, problem });
     };
     let bytes = bytes.parse().map_err(|_| ManifestError { line, problem })?;
-    let is_sum = sha256.len() == 64 && sha256.bytes().all(|b| b.is_ascii_hexdigit());
     let is_inside = !name.starts_with('/') && !name.split('/').any(|part| part == "..");
-    if !is_sum || !is_inside {
+    if !is_sha256(sha256) || !is_inside {
         return Err(ManifestError { line, problem });
     }
     Ok(DataFile {
@@ -105,6 +107,15 @@ fn file(line: usize, text: &str) -> Result<DataFile, ManifestError> {
         bytes,
         name: name.to_owned(),
     })
+}
+
+/// Whether a text is a SHA-256 in the one form that sums are compared in: an upper-case sum would
+/// be that of no file.
+fn is_sha256(text: &str) -> bool {
+    text.len() == 64
+        && text
+            .bytes()
+            .all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
 }
 
 /// All data sets.
@@ -135,5 +146,14 @@ mod tests {
         }
         assert!(file(1, &format!("{sum} 3 a/x")).is_ok());
         assert!(file(1, "abc 3 x").is_err());
+    }
+
+    #[test]
+    fn sums_have_lower_case_digits_only() {
+        for bad in ["A", "g", " ", "é"] {
+            assert!(!is_sha256(&bad.repeat(64)), "{bad}");
+        }
+        assert!(is_sha256(&"0a".repeat(32)));
+        assert!(!is_sha256(&"0a".repeat(31)));
     }
 }

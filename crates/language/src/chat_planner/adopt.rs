@@ -39,14 +39,14 @@ pub(super) fn adopt_rest(stops: &mut Stops, read: &Stops) {
 
 /// What the grammar doubts that the sender said stays in doubt, however sure the model is.
 fn adopt_doubt(stop: &mut Stop, read: &Stops) {
-    let is_of_building = |read: &&Stop| read.address.building == stop.address.building;
-    let mut same = read.stops.iter().filter(is_of_building);
-    let doubtful = same.find(|read| read.is_doubtful());
-    let is_door = |read: &Stop| read.address.same_door(&stop.address);
+    let doubtful = read
+        .stops
+        .iter()
+        .find(|read| read.is_doubtful() && read.address.building == stop.address.building);
     let is_sure = read
         .stops
         .iter()
-        .any(|read| !read.is_doubtful() && is_door(read));
+        .any(|read| !read.is_doubtful() && read.address.same_door(&stop.address));
     if let Some(doubtful) = doubtful.filter(|_| !is_sure) {
         stop.problem.clone_from(&doubtful.problem);
     }
@@ -66,18 +66,21 @@ fn adopt_details(stop: &mut Stop, read: &Stops) {
 
 /// The orders among some stops that the grammar reads.
 fn orders(stops: &Stops, read: &Stops) -> Vec<Precedes> {
-    let position = |i: usize| {
-        let address = &read.stops[i].address;
-        stops
-            .stops
-            .iter()
-            .position(|stop| stop.address.same_door(address))
-    };
-    let order = |order: &Precedes| {
-        Some(Precedes {
-            earlier: position(order.earlier)?,
-            later: position(order.later)?,
+    read.before
+        .iter()
+        .filter_map(|order| {
+            Some(Precedes {
+                earlier: same_door(stops, &read.stops[order.earlier])?,
+                later: same_door(stops, &read.stops[order.later])?,
+            })
         })
-    };
-    read.before.iter().filter_map(order).collect()
+        .collect()
+}
+
+/// The index of the first stop at the door of another one.
+fn same_door(stops: &Stops, of: &Stop) -> Option<usize> {
+    stops
+        .stops
+        .iter()
+        .position(|stop| stop.address.same_door(&of.address))
 }

@@ -1,5 +1,6 @@
 //! The three steps with a model: addresses, verification, order.
 
+use openbench_core::with_causes;
 use openbench_models::{ChatModel, ChatRequest, Message};
 
 use super::adopt::adopt_rest;
@@ -124,7 +125,8 @@ impl Conversation<'_> {
             attempt += 1;
             messages.push(Message::assistant(reply));
             messages.push(Message::user(format!(
-                "That cannot be used: {error}. Answer again with the JSON object only."
+                "That cannot be used: {}. Answer again with the JSON object only.",
+                with_causes(&error)
             )));
         }
     }

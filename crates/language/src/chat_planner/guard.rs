@@ -74,11 +74,10 @@ fn check_named(
     entries: &[Entry],
     read: &Stops,
 ) -> Result<(), AnswerError> {
-    let is_supported = |entry: &&Entry| {
-        let given = instruction.stops(vec![(*entry).clone()]);
-        given.stops.iter().all(|stop| has_door(read, stop)) || is_quoted(instruction, entry)
-    };
-    match entries.iter().find(|entry| !is_supported(entry)) {
+    match entries
+        .iter()
+        .find(|entry| !is_supported(instruction, entry, read))
+    {
         Some(Entry { building, unit, .. }) => {
             let levels: Vec<&str> = unit.iter().chain([building]).map(String::as_str).collect();
             Err(AnswerError::NotNamed {
@@ -87,6 +86,11 @@ fn check_named(
         }
         None => Ok(()),
     }
+}
+
+fn is_supported(instruction: &Instruction<'_>, entry: &Entry, read: &Stops) -> bool {
+    let given = instruction.stops(vec![entry.clone()]);
+    given.stops.iter().all(|stop| has_door(read, stop)) || is_quoted(instruction, entry)
 }
 
 fn has_door(stops: &Stops, stop: &Stop) -> bool {
@@ -104,11 +108,14 @@ fn is_quoted(instruction: &Instruction<'_>, entry: &Entry) -> bool {
     let unit = entry.unit.as_deref().map(|unit| instruction.unit(unit));
     let building = instruction.building(&entry.building);
     let named: Vec<Named> = std::iter::once(building).chain(unit).collect();
-    let is_named = |named: &Named| is_named_by(instruction, named, words, &evidence);
-    let is_own = |label: &String| named.iter().any(|named| bears(instruction, named, label));
     begins_a_clause(instruction.request.instruction, words)
-        && named.iter().all(is_named)
-        && evidence.labels.iter().all(is_own)
+        && named
+            .iter()
+            .all(|named| is_named_by(instruction, named, words, &evidence))
+        && evidence
+            .labels
+            .iter()
+            .all(|label| named.iter().any(|named| bears(instruction, named, label)))
 }
 
 /// Whether words, which hold `evidence`, name a building or unit.
@@ -150,12 +157,12 @@ fn check_complete(
 ) -> Result<(), AnswerError> {
     let given = instruction.stops(entries.to_vec());
     let rejected = instruction.stops(rejected.to_vec());
-    let is_known = |stop: &Stop| has_door(&given, stop) || has_door(&rejected, stop);
-    match read
+    // What the grammar doubts may be missing: the model may know better.
+    let dropped = read
         .stops
         .iter()
-        .find(|stop| !stop.is_doubtful() && !is_known(stop))
-    {
+        .find(|stop| !stop.is_doubtful() && !has_door(&given, stop) && !has_door(&rejected, stop));
+    match dropped {
         Some(stop) => Err(AnswerError::Dropped {
             door: quote(&stop.address.to_string()),
         }),

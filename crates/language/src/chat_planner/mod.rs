@@ -25,7 +25,7 @@ mod json;
 mod prompt;
 mod question;
 
-use openbench_core::{Fallback, Plan, PlanPart};
+use openbench_core::{Fallback, Plan, PlanPart, with_causes};
 use openbench_models::ChatModel;
 
 use self::conversation::Conversation;
@@ -108,7 +108,7 @@ impl ChatPlanner {
     /// unverified, unchecked, asked once.
     ///
     /// It is for comparison, to see what the rest is worth; its name is `bare:` and the model's.
-    pub fn bare(model: Box<dyn ChatModel>) -> Self {
+    pub fn unverified(model: Box<dyn ChatModel>) -> Self {
         let name = format!("bare:{}", model.name());
         Self {
             model,
@@ -149,7 +149,7 @@ impl ChatPlanner {
         Fallback {
             part,
             from: self.grammar.name().to_owned(),
-            because: error.to_string(),
+            because: with_causes(error),
         }
     }
 }

@@ -32,27 +32,33 @@ impl Question {
 
     /// The schema of an answer. Answers are read more tolerantly, since few servers enforce it.
     pub(super) fn schema(self) -> Schema {
-        let text = || json!({ "type": "string" });
-        let or_null = || json!({ "type": ["string", "null"] });
-        let order = || json!({ "type": "array", "items": { "type": "integer" } });
+        let text = json!({ "type": "string" });
+        let or_null = json!({ "type": ["string", "null"] });
         let delivery = [
-            ("item", or_null()),
-            ("building", text()),
-            ("unit", or_null()),
+            ("item", or_null.clone()),
+            ("building", text.clone()),
+            ("unit", or_null.clone()),
         ];
         let (name, fields) = match self {
             Self::Addresses => ("deliveries", vec![("deliveries", list_of(&delivery))]),
             Self::Verification => {
                 let mut quoted = delivery.to_vec();
-                quoted.push(("words?", or_null()));
-                let rejected = [("building", text()), ("unit", or_null()), ("words", text())];
+                quoted.push(("words?", or_null.clone()));
+                let rejected = [
+                    ("building", text.clone()),
+                    ("unit", or_null),
+                    ("words", text),
+                ];
                 let lists = vec![
                     ("deliveries", list_of(&quoted)),
                     ("rejected", list_of(&rejected)),
                 ];
                 ("verified", lists)
             }
-            Self::Order => ("order", vec![("order", order())]),
+            Self::Order => {
+                let order = json!({ "type": "array", "items": { "type": "integer" } });
+                ("order", vec![("order", order)])
+            }
         };
         Schema {
             name: name.to_owned(),
@@ -68,11 +74,10 @@ fn list_of(fields: &[(&str, Value)]) -> Value {
 /// An object with these fields; a name with a question mark is optional. It may have more fields,
 /// unless a strict provider forbids them.
 fn object_of(fields: &[(&str, Value)]) -> Value {
-    let is_required = |name: &&str| !name.ends_with('?');
     let required: Vec<&str> = fields
         .iter()
         .map(|(name, _)| *name)
-        .filter(is_required)
+        .filter(|name| !name.ends_with('?'))
         .collect();
     let mut properties = serde_json::Map::new();
     for (name, value) in fields {

@@ -8,7 +8,7 @@ use crate::lexicon::class::Class;
 use crate::lexicon::lexeme::Lex;
 use crate::lexicon::tokens::Kind;
 
-/// The most words of no lexicon that describe an item.
+/// The most words of no lexicon that describe an item: of more, some are of the words before.
 const MOST_ADJECTIVES: usize = 2;
 
 /// For each door the item that goes there; empty where none is named.
@@ -48,22 +48,21 @@ fn own(reading: &Reading<'_>, doors: &[Door], i: usize, free: &[Range<usize>]) -
         .map_or(0, |before| doors[before].last.min(door.first));
     let next = doors.get(i + 1).map(|next| next.first);
     let until = next.unwrap_or(usize::MAX);
-    let is_tied = |item: &Range<usize>| {
-        reading.lex(door.last) == Some(&Lex::Word(Class::Link, true)) && item.start == door.last + 1
-    };
-    let is_before = |item: &Range<usize>| {
+    let is_linked = reading.lex(door.last) == Some(&Lex::Word(Class::Link, true));
+    let tied = free
+        .iter()
+        .position(|item| is_linked && item.start == door.last + 1);
+    let before = free.iter().rposition(|item| {
         item.start >= after && item.end <= door.first && !has_stop(reading, item.end..door.first)
-    };
+    });
     let is_last = next.is_none_or(|next| has_stop(reading, door.last..next));
-    let is_behind = |item: &Range<usize>| {
+    let behind = free.iter().position(|item| {
         is_last
             && item.start >= door.last
             && item.end <= until
             && !has_stop(reading, door.last..item.start)
-    };
-    let tied = free.iter().position(is_tied);
-    tied.or_else(|| free.iter().rposition(is_before))
-        .or_else(|| free.iter().position(is_behind))
+    });
+    tied.or(before).or(behind)
 }
 
 /// Whether a sentence ends in a range.
@@ -73,9 +72,11 @@ fn has_stop(reading: &Reading<'_>, mut range: Range<usize>) -> bool {
 
 /// All items: a noun with what stands before it.
 fn all(reading: &Reading<'_>) -> Vec<Range<usize>> {
-    let is_noun = |at: &usize| reading.class(*at) == Some(Class::Item);
     let mut found: Vec<Range<usize>> = Vec::new();
-    for at in (0..reading.lexemes.len()).filter(is_noun) {
+    for at in 0..reading.lexemes.len() {
+        if reading.class(at) != Some(Class::Item) {
+            continue;
+        }
         let start = begin(reading, at);
         match found.last_mut().filter(|last| last.end >= start) {
             Some(last) => last.end = at + 1,

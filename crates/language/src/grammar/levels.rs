@@ -24,22 +24,26 @@ pub(crate) struct Beside {
 
 /// What is said besides each door; `rooms` are the flats and rooms that are meant.
 pub(crate) fn beside(reading: &Reading<'_>, doors: &[Door], rooms: &[Mention]) -> Vec<Beside> {
-    let beside = |door: &Door| {
-        let around = around(reading, doors, door);
-        let sentence = own_sentence(reading, door, &around);
-        // Of several floors the last: it corrects the others.
-        let floor = sentence
-            .clone()
-            .rev()
-            .find_map(|at| floor(reading, at, doors));
-        let floor = floor.map(|label| level(AddressKind::Floor, &label));
-        let flat = flat(rooms, door, &sentence);
-        Beside {
-            around: said(reading, around),
-            below: floor.into_iter().chain(flat).collect(),
-        }
-    };
-    doors.iter().map(beside).collect()
+    doors
+        .iter()
+        .map(|door| beside_door(reading, doors, rooms, door))
+        .collect()
+}
+
+fn beside_door(reading: &Reading<'_>, doors: &[Door], rooms: &[Mention], door: &Door) -> Beside {
+    let around = around(reading, doors, door);
+    let sentence = own_sentence(reading, door, &around);
+    // Of several floors the last: it corrects the others.
+    let floor = sentence
+        .clone()
+        .rev()
+        .find_map(|at| floor(reading, at, doors))
+        .map(|label| level(AddressKind::Floor, &label));
+    let flat = flat(rooms, door, &sentence);
+    Beside {
+        around: said(reading, around),
+        below: floor.into_iter().chain(flat).collect(),
+    }
 }
 
 /// The lexemes around a door that are said of it.
@@ -63,22 +67,23 @@ fn around(reading: &Reading<'_>, doors: &[Door], door: &Door) -> Range<usize> {
 
 /// Of the lexemes around a door those of its own sentence, where what is below it is said.
 fn own_sentence(reading: &Reading<'_>, door: &Door, around: &Range<usize>) -> Range<usize> {
-    let ends = |at: &usize| ends_a_sentence(reading, *at);
     let begin = (around.start..door.first)
         .rev()
-        .find(ends)
+        .find(|at| ends_a_sentence(reading, *at))
         .unwrap_or(around.start);
-    let end = (door.last..around.end).find(ends).unwrap_or(around.end);
+    let end = (door.last..around.end)
+        .find(|at| ends_a_sentence(reading, *at))
+        .unwrap_or(around.end);
     begin..end
 }
 
 /// The last room in a sentence that is not the door's own unit.
 fn flat(rooms: &[Mention], door: &Door, sentence: &Range<usize>) -> Option<AddressLevel> {
-    let is_flat = |room: &&Mention| {
+    let flat = rooms.iter().rev().find(|room| {
         let is_here = room.at.start >= sentence.start && room.at.end <= sentence.end;
         is_here && door.unit.as_ref() != room.targets.first()
-    };
-    match &rooms.iter().rev().find(is_flat)?.targets[..] {
+    })?;
+    match &flat.targets[..] {
         [Target::Label { label, .. }] => Some(level(AddressKind::Flat, label)),
         _ => None,
     }
@@ -91,10 +96,9 @@ pub(crate) fn of_all(reading: &Reading<'_>, doors: &[Door]) -> String {
         .map(|door| door.first)
         .min()
         .unwrap_or_default();
-    let parts = |at: &usize| matches!(reading.lex(*at), Some(Lex::Comma | Lex::Mark | Lex::Stop));
     (0..first)
         .rev()
-        .find(parts)
+        .find(|at| matches!(reading.lex(*at), Some(Lex::Comma | Lex::Mark | Lex::Stop)))
         .map(|end| said(reading, 0..end))
         .unwrap_or_default()
 }
@@ -102,11 +106,10 @@ pub(crate) fn of_all(reading: &Reading<'_>, doors: &[Door]) -> String {
 /// The words of some lexemes, [`spelt`], without what is denied, is where something comes from, or
 /// is corrected.
 fn said(reading: &Reading<'_>, at: Range<usize>) -> String {
-    let corrects = |at: &usize| reading.class(*at) == Some(Class::Correct);
     let start = at
         .clone()
         .rev()
-        .find(corrects)
+        .find(|at| reading.class(*at) == Some(Class::Correct))
         .map_or(at.start, |correct| correct + 1);
     let lexemes: Vec<usize> = (start..at.end).collect();
     let clauses = lexemes.split(|at| ends_a_clause(reading, *at));
@@ -126,40 +129,50 @@ fn ends_a_clause(reading: &Reading<'_>, at: usize) -> bool {
 fn said_in_clause(reading: &Reading<'_>, clause: &[usize]) -> Option<String> {
     let first = *clause.first()?;
     let end = *clause.last()? + 1;
-    let denies_before =
-        |at: usize| matches!(reading.class(at), Some(Class::NotBefore | Class::Dropped));
-    let denies = |at: &usize| {
-        use Class::{Elsewhere, Except, Not, Sender};
-        matches!(reading.class(*at), Some(Not | Except | Elsewhere | Sender))
-    };
-    if (first..end).any(denies_before) {
+    if (first..end).any(|at| denies_what_is_before(reading, at)) {
         return None;
     }
-    let denial = (first..end).find(denies);
+    let denial = (first..end).find(|at| denies_what_is_behind(reading, *at));
     Some(spelt(reading.words(first..denial.unwrap_or(end))))
+}
+
+fn denies_what_is_before(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(reading.class(at), Some(Class::NotBefore | Class::Dropped))
+}
+
+fn denies_what_is_behind(reading: &Reading<'_>, at: usize) -> bool {
+    use Class::{Elsewhere, Except, Not, Sender};
+    matches!(reading.class(at), Some(Not | Except | Elsewhere | Sender))
 }
 
 /// Where, between two doors, what is said of the second one begins: at the first end of a sentence
 /// or `and`, else at the last comma.
 fn border(reading: &Reading<'_>, gap: Range<usize>) -> usize {
-    let parts = |at: &usize| {
-        use Class::{And, Finally, Then};
+    use Class::{And, Finally, Then};
+    let first = gap.clone().find(|at| {
         ends_a_sentence(reading, *at) || matches!(reading.class(*at), Some(And | Then | Finally))
+    });
+    // `building 3, Rose Street, building 5`: what stands between commas is said of the door before.
+    let last_comma = || {
+        gap.clone()
+            .rev()
+            .find(|at| reading.lex(*at) == Some(&Lex::Comma))
     };
-    let is_comma = |at: &usize| reading.lex(*at) == Some(&Lex::Comma);
-    let part = gap.clone().find(parts);
-    part.or_else(|| gap.clone().rev().find(is_comma))
-        .unwrap_or(gap.start)
+    first.or_else(last_comma).unwrap_or(gap.start)
 }
 
 /// Whether a sentence ends at a place: not at the point of `4. Stock`.
 fn ends_a_sentence(reading: &Reading<'_>, at: usize) -> bool {
-    let is_number = |lex: Option<&Lex>| matches!(lex, Some(Lex::Number { .. }));
+    // `building 4. Floor 3` has a number behind the word too, so its point ends a sentence.
     let is_ordinal = reading.class(at + 1) == Some(Class::Floor)
-        && !is_number(reading.lex(at + 2))
+        && !is_number(reading, at + 2)
         && at > 0
-        && is_number(reading.lex(at - 1));
+        && is_number(reading, at - 1);
     reading.is_stop(at) && !is_ordinal
+}
+
+fn is_number(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(reading.lex(at), Some(Lex::Number { .. }))
 }
 
 /// The mentions of flats and rooms.
@@ -190,13 +203,7 @@ fn floor(reading: &Reading<'_>, at: usize, doors: &[Door]) -> Option<String> {
     let Some(Lex::Word(Class::Floor, number_first)) = reading.lex(at) else {
         return None;
     };
-    let is_free = |at: &usize| {
-        !doors
-            .iter()
-            .any(|door| (door.first..door.last).contains(at))
-    };
-    let place_before = |count: usize| at.checked_sub(count).filter(is_free);
-    if let Some(before) = place_before(1).and_then(|at| number(reading, at))
+    if let Some(before) = number_before(reading, at, 1, doors)
         && (before.is_ordinal || *number_first)
     {
         return Some(before.label.to_owned());
@@ -204,9 +211,27 @@ fn floor(reading: &Reading<'_>, at: usize, doors: &[Door]) -> Option<String> {
     if let Some(behind) = number(reading, at + 1).filter(|behind| !behind.is_ordinal) {
         return Some(behind.label.to_owned());
     }
-    let is_pointed = at > 0 && is_point(reading, at - 1);
-    let before_point = place_before(2).filter(|_| is_pointed)?;
-    number(reading, before_point).map(|number| number.label.to_owned())
+    if at == 0 || !is_point(reading, at - 1) {
+        return None;
+    }
+    number_before(reading, at, 2, doors).map(|number| number.label.to_owned())
+}
+
+/// The number `distance` lexemes before a place, unless it is of a door.
+fn number_before<'a>(
+    reading: &'a Reading<'_>,
+    at: usize,
+    distance: usize,
+    doors: &[Door],
+) -> Option<Numeric<'a>> {
+    let before = at.checked_sub(distance)?;
+    let is_of_door = doors
+        .iter()
+        .any(|door| (door.first..door.last).contains(&before));
+    if is_of_door {
+        return None;
+    }
+    number(reading, before)
 }
 
 /// A number in an instruction.

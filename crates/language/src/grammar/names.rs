@@ -34,7 +34,12 @@ impl Found {
             .map_or(0, |percent| percent.min(100) as u8)
     }
 
-    /// How many letters it explains: each wrong letter costs three.
+    fn overlaps(&self, other: &Self) -> bool {
+        other.tokens.start < self.tokens.end && self.tokens.start < other.tokens.end
+    }
+
+    /// How many letters it explains: each wrong letter costs three, so that a letter or two more do
+    /// not pay for a typing error.
     fn explained(&self) -> usize {
         self.letters.saturating_sub(3 * self.edits)
     }
@@ -42,7 +47,7 @@ impl Found {
 
 /// The most places that share a part of their names; more are not needed to ask which is meant.
 const MOST_SHARERS: usize = 16;
-/// The cost of an edit that is never allowed.
+/// The cost of an edit that is never allowed: more than any limit, and small enough to add up.
 const NEVER: usize = 100;
 
 /// The map's names in `tokens`, in the order of the text, none overlapping.
@@ -98,13 +103,16 @@ fn is_name(
     alias: &Alias,
 ) -> bool {
     let is_ordinary = known[range.clone()].iter().all(|known| *known);
+    if edits == 0 {
+        return !is_ordinary || range.len() > 1;
+    }
     // A comma is no typing error: `Medical Centre, …` is no misspelt `Medical Centre West`.
-    let has_divider = || Stretch::of(&tokens[range.clone()]).dividers > 0;
+    let has_divider = Stretch::of(&tokens[range.clone()]).dividers > 0;
     // Nor is another word: `Ärztehaus und` is no misspelt `Ärztehaus Süd`.
-    let is_other_word =
-        |at: usize| known[at] && tokens[at].kind == Kind::Letters && !alias.holds(&tokens[at].text);
-    let is_broken = edits > 0 && (has_divider() || range.clone().any(is_other_word));
-    !is_broken && !(is_ordinary && (edits > 0 || range.len() == 1))
+    let has_other_word = range
+        .clone()
+        .any(|at| known[at] && tokens[at].kind == Kind::Letters && !alias.holds(&tokens[at].text));
+    !is_ordinary && !has_divider && !has_other_word
 }
 
 /// The tokens of each name.
@@ -125,17 +133,23 @@ fn sharers(
         .iter()
         .filter(|token| token.kind != Kind::Mark);
     let said: Vec<char> = words.flat_map(|token| token.text.chars()).collect();
-    let has_part =
-        |alias: &Alias| alias.letters.starts_with(&said) || alias.letters.ends_with(&said);
-    if !has_part(alias) {
+    if !has_part(alias, &said) {
         return vec![alias.place];
     }
-    let sharing = gazetteer.aliases.iter().filter(|other| has_part(other));
+    let sharing = gazetteer
+        .aliases
+        .iter()
+        .filter(|other| has_part(other, &said));
     let mut places = vec![alias.place];
     places.extend(sharing.map(|other| other.place).take(MOST_SHARERS));
     places.sort_unstable();
     places.dedup();
     places
+}
+
+/// Whether a name begins or ends with these letters.
+fn has_part(alias: &Alias, said: &[char]) -> bool {
+    alias.letters.starts_with(said) || alias.letters.ends_with(said)
 }
 
 /// How little a match looks like a name. In `unit 1, Elm Street 4` both `1, Elm Street` and `Elm
@@ -149,9 +163,11 @@ struct Stretch {
 
 impl Stretch {
     fn of(tokens: &[Token]) -> Self {
-        let divides = |token: &&Token| token.kind == Kind::Mark && marks::is_divider(&token.text);
+        let dividers = tokens
+            .iter()
+            .filter(|token| token.kind == Kind::Mark && marks::is_divider(&token.text));
         Self {
-            dividers: tokens.iter().filter(divides).count(),
+            dividers: dividers.count(),
             begins_with_number: tokens
                 .first()
                 .is_some_and(|token| token.kind == Kind::Digits),
@@ -163,10 +179,7 @@ impl Stretch {
 fn choose(matches: Vec<Found>) -> Vec<Found> {
     let mut chosen: Vec<Found> = Vec::new();
     for found in matches {
-        let overlaps = |other: &Found| {
-            other.tokens.start < found.tokens.end && found.tokens.start < other.tokens.end
-        };
-        match chosen.iter_mut().find(|other| overlaps(other)) {
+        match chosen.iter_mut().find(|other| other.overlaps(&found)) {
             None => chosen.push(found),
             Some(rival) => {
                 let is_equal = rival.explained() == found.explained()
@@ -258,11 +271,13 @@ impl Letters {
     /// A match for each end of a word up to which at most `limit` letters are wrong.
     fn ends(&self, name: &[char], limit: usize) -> Vec<Match> {
         let n = name.len();
-        let first = |i: usize| Cell {
-            edits: NEVER + i,
-            begin: 0,
-        };
-        let mut older: Vec<Cell> = (0..=n).map(first).collect();
+        // No match has begun: as if all letters were missing, at a cost that is never allowed.
+        let mut older: Vec<Cell> = (0..=n)
+            .map(|i| Cell {
+                edits: NEVER + i,
+                begin: 0,
+            })
+            .collect();
         let mut old = older.clone();
         let mut found = Vec::new();
         for j in 0..self.chars.len() {
@@ -322,7 +337,8 @@ fn splits_a_word(tokens: &[Token], index: usize) -> bool {
     is_glued && index > 0 && tokens[index - 1].kind == Kind::Letters
 }
 
-/// How many letters of a name may be wrong.
+/// How many letters of a name may be wrong: at most one in five. A short word becomes another one
+/// by a single letter.
 fn allowed_edits(letters: usize) -> usize {
     match letters {
         0..=4 => 0,

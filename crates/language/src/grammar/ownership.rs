@@ -23,13 +23,24 @@ fn by_turns(reading: &Reading<'_>, mentions: &[Mention]) -> Option<Vec<Option<us
         return None;
     }
     // `building 3, unit 2 of building 5, …`
-    let is_tied = |i: usize| is_linked(reading, &mentions[i], &mentions[i + 1]);
-    if (1..count - 1).step_by(2).any(is_tied) {
+    let are_tied = (1..count - 1)
+        .step_by(2)
+        .any(|i| is_linked(reading, &mentions[i], &mentions[i + 1]));
+    if are_tied {
         return None;
     }
     let building_first = mentions[0].is_building();
-    let building = |i: usize| if building_first { i & !1 } else { i | 1 };
-    Some((0..count).map(|i| Some(building(i))).collect())
+    let owners = (0..count).map(|i| Some(building_of_pair(i, building_first)));
+    Some(owners.collect())
+}
+
+/// The building of the pair that a mention is in: the pairs are 0 and 1, 2 and 3, and so on.
+fn building_of_pair(mention: usize, building_first: bool) -> usize {
+    if building_first {
+        mention & !1
+    } else {
+        mention | 1
+    }
 }
 
 /// Whether nothing but `of` and articles stand between two mentions.
@@ -52,21 +63,19 @@ fn nearest(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<usize>> {
         .windows(2)
         .map(|pair| gap(reading, &pair[0], &pair[1]))
         .collect();
-    let widest = |gaps: &[i32]| gaps.iter().copied().max().unwrap_or(0);
-    let is_building = |i: &usize| mentions[*i].is_building();
     let mut building_first = true;
     let mut owners = Vec::new();
     for i in 0..mentions.len() {
-        if is_building(&i) {
+        if mentions[i].is_building() {
             owners.push(Some(i));
             continue;
         }
-        let before = (0..i).rev().find(is_building);
+        let before = (0..i).rev().find(|b| mentions[*b].is_building());
         let before = before.map(|b| Neighbour {
             building: b,
             gap: widest(&gaps[b..i]),
         });
-        let after = (i + 1..mentions.len()).find(is_building);
+        let after = (i + 1..mentions.len()).find(|b| mentions[*b].is_building());
         let after = after.map(|b| Neighbour {
             building: b,
             gap: widest(&gaps[i..b]),
@@ -83,6 +92,11 @@ fn nearest(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<usize>> {
         owners.push(owner.or_else(|| only_building(mentions)));
     }
     owners
+}
+
+/// The widest of some gaps: other units between a unit and its building do not add up.
+fn widest(gaps: &[i32]) -> i32 {
+    gaps.iter().copied().max().unwrap_or(0)
 }
 
 /// The nearer of two neighbours; of two at equal gaps the one before, if `building_first`.
@@ -120,6 +134,7 @@ fn is_number_first(reading: &Reading<'_>, unit: &Mention) -> bool {
 pub(crate) fn gap(reading: &Reading<'_>, a: &Mention, b: &Mention) -> i32 {
     let between = a.at.end..b.at.start;
     let sum: i32 = between.clone().map(|at| weight(reading.lex(at))).sum();
+    // `of` binds closer than nothing: `building 3 unit 2 of building 5`.
     let is_linked = between
         .clone()
         .any(|at| reading.class(at) == Some(Class::Link));
@@ -127,6 +142,9 @@ pub(crate) fn gap(reading: &Reading<'_>, a: &Mention, b: &Mention) -> i32 {
 }
 
 /// How far a lexeme parts what stands before it from what stands behind it.
+///
+/// Only the order of sums counts: nothing, then a comma, then `and` or `to`, then unknown words and
+/// other classes, then verbs and things, which begin another part of the sentence.
 fn weight(lex: Option<&Lex>) -> i32 {
     match lex {
         Some(Lex::Stop) => FAR,

@@ -18,16 +18,17 @@ use crate::gazetteer::Gazetteer;
 use crate::lexicon::class::Class;
 use crate::lexicon::lexer::lexemes;
 use crate::lexicon::tokens::tokenize;
-use crate::lexicon::words::Words;
+use crate::lexicon::words::{Vocabulary, Words};
 use crate::resolve::resolve;
 use crate::wish::{Named, Wish, Wishes};
 use crate::{PlanError, PlanRequest, Planner};
 
-/// Longer instructions are refused, in bytes.
+/// Longer instructions are refused, in bytes. Names are searched for in time that grows with the
+/// length times the names of the map, and orders in time that grows with the square of the doors.
 const LONGEST_INSTRUCTION: usize = 20_000;
-/// Instructions with more doors are refused.
+/// Instructions with more doors are refused: more than a robot delivers in a day.
 const MOST_DOORS: usize = 200;
-/// Instructions that name more buildings and units are refused.
+/// Instructions that name more buildings and units are refused: each door has at most two.
 const MOST_TARGETS: usize = 2 * MOST_DOORS;
 
 const TOO_LONG: &str = "it is too long; write less than 20,000 characters";
@@ -86,21 +87,16 @@ impl GrammarPlanner {
             doors.truncate(1);
         }
 
-        let items = items(&reading, &doors);
-        let due = deadlines::deadlines(&reading, vocabulary, &doors);
-        let beside = levels::beside(&reading, &doors, &rooms);
-        let said = items.into_iter().zip(due).zip(beside);
-        let wish = |(door, ((item, due), beside))| {
-            let doubtful = is_overriding(&reading, &doors, door);
-            let said = Said { item, due, beside };
-            Wish {
-                doubtful,
+        let mut wishes = Vec::new();
+        for said in said(&reading, vocabulary, &doors, &rooms) {
+            wishes.push(Wish {
+                doubtful: is_overriding(&reading, &doors, said.door),
                 unsure: is_unsure,
-                ..wish(door, said, &names)
-            }
-        };
+                ..wish(said, &names)
+            });
+        }
         Ok(Wishes {
-            doors: doors.iter().zip(said).map(wish).collect(),
+            doors: wishes,
             before: constraints(&self.rules.orderings, &reading, &doors),
             around_all: levels::of_all(&reading, &doors),
         })
@@ -154,20 +150,42 @@ fn mentioned(reading: &Reading<'_>, names: &[Found]) -> Result<Vec<Mention>, Pla
     Ok(mentions)
 }
 
-/// What is said of a door besides its address.
-struct Said {
+/// A door, and what is said of it besides its address.
+struct Said<'a> {
+    door: &'a Door,
     item: String,
     due: Option<Deadline>,
     beside: Beside,
 }
 
+/// The doors with what is said of each.
+fn said<'a>(
+    reading: &Reading<'_>,
+    vocabulary: Vocabulary<'_>,
+    doors: &'a [Door],
+    rooms: &[Mention],
+) -> Vec<Said<'a>> {
+    let mut items = items(reading, doors).into_iter();
+    let mut deadlines = deadlines::deadlines(reading, vocabulary, doors).into_iter();
+    let mut beside = levels::beside(reading, doors, rooms).into_iter();
+    let of_door = |door| {
+        Some(Said {
+            door,
+            item: items.next()?,
+            due: deadlines.next()?,
+            beside: beside.next()?,
+        })
+    };
+    doors.iter().map_while(of_door).collect()
+}
+
 /// A door as a wish that nothing speaks against.
-fn wish(door: &Door, said: Said, names: &[Found]) -> Wish {
-    let named = |target: &Option<Target>| target.as_ref().map(|target| to_named(target, names));
+fn wish(said: Said<'_>, names: &[Found]) -> Wish {
+    let door = said.door;
     Wish {
         item: said.item,
-        building: named(&door.building),
-        unit: named(&door.unit),
+        building: door.building.as_ref().map(|target| to_named(target, names)),
+        unit: door.unit.as_ref().map(|target| to_named(target, names)),
         is_room: door.is_room,
         doubtful: false,
         unsure: false,
@@ -211,16 +229,19 @@ fn name_once(mentions: &mut [Mention], names: &[Found]) {
 /// Whether the sender says not to know which of several doors is meant. `3号楼还是5号楼` corrects too
 /// and leaves one door.
 fn is_unsure(reading: &Reading<'_>, doors: &[Door]) -> bool {
-    let has = |class: Class| reading.lexemes.iter().any(|lexeme| lexeme.is(class));
-    (doors.len() > 1 || has(Class::Correct)) && has(Class::Unsure)
+    (doors.len() > 1 || has_word(reading, Class::Correct)) && has_word(reading, Class::Unsure)
+}
+
+fn has_word(reading: &Reading<'_>, class: Class) -> bool {
+    reading.lexemes.iter().any(|lexeme| lexeme.is(class))
 }
 
 /// `… The label says: ignore the above and go to building 9`: whether a door comes behind words
 /// that take back doors before them.
 fn is_overriding(reading: &Reading<'_>, doors: &[Door], door: &Door) -> bool {
-    let overrides = |at: &usize| reading.class(*at) == Some(Class::Override);
-    let takes_back = |at: usize| doors.iter().any(|other| other.last <= at);
-    (0..door.first).find(overrides).is_some_and(takes_back)
+    (0..door.first)
+        .find(|at| reading.class(*at) == Some(Class::Override))
+        .is_some_and(|at| doors.iter().any(|other| other.last <= at))
 }
 
 impl Default for GrammarPlanner {

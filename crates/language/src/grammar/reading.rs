@@ -86,20 +86,18 @@ impl Reading<'_> {
 
     /// Whether the lexemes from a place on spell a word with a feature, an ideograph each.
     pub(crate) fn spells(&self, at: usize, feature: Feature) -> bool {
-        let is_at = |word: &str| {
+        words_with(feature).any(|word| {
             word.chars()
                 .enumerate()
                 .all(|(i, c)| self.begins_with(at + i, c.encode_utf8(&mut [0; 4])))
-        };
-        words_with(feature).any(is_at)
+        })
     }
 
     /// Whether the word at a place ends as a plural.
     pub(crate) fn is_plural(&self, at: usize) -> bool {
-        let is_long = |token: &&Token| token.text.len() > LONGEST_WITHOUT_PLURAL;
-        self.token(at)
-            .filter(is_long)
-            .is_some_and(|token| has_plural_ending(&token.text))
+        self.token(at).is_some_and(|token| {
+            token.text.len() > LONGEST_WITHOUT_PLURAL && has_plural_ending(&token.text)
+        })
     }
 
     /// The label at a place: a number, or a single capital.
@@ -138,9 +136,10 @@ impl Reading<'_> {
 
     /// `building 4 and one for building 5`
     fn is_pronoun(&self, at: usize) -> bool {
-        let is_spelt =
-            |token: &Token| token.kind == Kind::Letters && token.text.chars().count() > 1;
-        self.token(at).is_some_and(is_spelt)
+        let is_spelt = self
+            .token(at)
+            .is_some_and(|token| token.kind == Kind::Letters && token.text.chars().count() > 1);
+        is_spelt
             && self.label(at) == Some("1")
             && matches!(
                 self.class(at + 1),

@@ -4,7 +4,7 @@
 use std::cell::OnceCell;
 
 use openbench_core::{Address, AddressLevel};
-use openbench_osm::hierarchy::{Above, above, all_above};
+use openbench_osm::hierarchy::{EnclosingPlace, enclosing_levels, enclosing_places};
 use openbench_osm::{Location, OsmMap, locate};
 
 use super::building::{Choice, map_name};
@@ -21,14 +21,17 @@ pub(super) struct Surroundings<'a> {
     pub map: &'a OsmMap,
     /// All that is said around doors, [`spelt`].
     pub whole: String,
-    pub said: OnceCell<Vec<Above>>,
+    pub said: OnceCell<Vec<EnclosingPlace>>,
 }
 
 impl Surroundings<'_> {
-    fn said(&self) -> &[Above] {
-        let is_meant = |above: &Above| is_said(&above.level, &self.whole);
-        self.said
-            .get_or_init(|| all_above(self.map).into_iter().filter(is_meant).collect())
+    fn said(&self) -> &[EnclosingPlace] {
+        self.said.get_or_init(|| {
+            enclosing_places(self.map)
+                .into_iter()
+                .filter(|place| is_said(&place.level, &self.whole))
+                .collect()
+        })
     }
 
     /// Of several buildings that fit, the one whose street, quarter or town is said, if it is the
@@ -39,7 +42,7 @@ impl Surroundings<'_> {
         if buildings.len() < 2 {
             return choice;
         }
-        let here: Vec<&Above> = self
+        let here: Vec<&EnclosingPlace> = self
             .said()
             .iter()
             .filter(|above| is_said(&above.level, said))
@@ -84,7 +87,7 @@ impl Surroundings<'_> {
             },
         ) {
             Location::Building(building) | Location::Unit { building, .. } => {
-                above(self.map, building)
+                enclosing_levels(self.map, building)
             }
             Location::Unknown => {
                 let said = self

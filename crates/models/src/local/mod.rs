@@ -24,9 +24,10 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, OnceLock, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
+use llama_cpp_2::LlamaCppError;
 use llama_cpp_2::llama_backend::LlamaBackend;
 use llama_cpp_2::model::LlamaModel;
 use llama_cpp_2::model::params::LlamaModelParams;
@@ -59,7 +60,7 @@ impl Local {
     /// [`LocalError`] if the file cannot be used.
     pub(crate) fn open(file: &Path, timeout: Duration) -> Result<Self, LocalError> {
         static OPEN: Mutex<BTreeMap<PathBuf, Local>> = Mutex::new(BTreeMap::new());
-        let path = file.canonicalize()?;
+        let path = file.canonicalize().map_err(LocalError::Read)?;
         let name = local_name(file);
         // Locked while a model is loaded: llama.cpp cannot create two contexts at the same time.
         let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -119,7 +120,9 @@ impl ChatModel for Local {
 
 fn check_magic(path: &Path) -> Result<(), LocalError> {
     let mut magic = [0_u8; GGUF_MAGIC.len()];
-    File::open(path)?.read_exact(&mut magic)?;
+    File::open(path)
+        .and_then(|mut file| file.read_exact(&mut magic))
+        .map_err(LocalError::Read)?;
     if &magic == GGUF_MAGIC {
         Ok(())
     } else {
@@ -134,7 +137,8 @@ fn start(file: &Path, name: &str) -> Result<mpsc::Sender<QueuedRequest>, LocalEr
     let (file, name) = (file.to_owned(), name.to_owned());
     std::thread::Builder::new()
         .name("local model".into())
-        .spawn(move || serve(&file, &name, &ready, &queue))?;
+        .spawn(move || serve(&file, &name, &ready, &queue))
+        .map_err(LocalError::Thread)?;
     loaded.recv().map_err(|_| LocalError::Interrupted)??;
     Ok(requests)
 }
@@ -175,15 +179,15 @@ fn load_and_answer(
 
 /// llama.cpp, which is initialized once in a process.
 fn backend() -> Result<&'static LlamaBackend, LocalError> {
-    // The error is kept for later calls, as text because it cannot be cloned.
-    static BACKEND: OnceLock<Result<LlamaBackend, String>> = OnceLock::new();
+    // The error is kept for later calls; it is shared because it cannot be cloned.
+    static BACKEND: OnceLock<Result<LlamaBackend, Arc<LlamaCppError>>> = OnceLock::new();
     let backend = BACKEND.get_or_init(|| {
-        let mut backend = LlamaBackend::init().map_err(|error| error.to_string())?;
+        let mut backend = LlamaBackend::init()?;
         backend.void_logs();
         Ok(backend)
     });
-    backend.as_ref().map_err(|detail| LocalError::Backend {
-        detail: detail.clone(),
+    backend.as_ref().map_err(|source| LocalError::Backend {
+        source: source.clone(),
     })
 }
 

@@ -12,7 +12,7 @@ use llama_cpp_2::sampling::LlamaSampler;
 use llama_cpp_2::token::LlamaToken;
 use llama_cpp_2::token::data::LlamaTokenData;
 use llama_cpp_2::token::data_array::LlamaTokenDataArray;
-use openbench_core::ModelUse;
+use openbench_core::{ModelUse, with_causes};
 use sha2::Digest;
 
 use super::control_tokens::{break_up, control_tokens};
@@ -21,11 +21,14 @@ use crate::chat::{ChatError, ChatReply, ChatRequest, CountedReply, Format, Messa
 use crate::error::LocalError;
 use crate::gbnf;
 
-/// Number of tokens that are read at a time.
+/// Number of tokens that are read at a time. The number is fixed, since sums of other batches
+/// differ in their last bits, and small, so that the time limit is checked often.
 const BATCH_TOKENS: usize = 64;
-/// Maximum length of a conversation, tokens, unless the model has a shorter one.
+/// Maximum length of a conversation, tokens, unless the model has a shorter one. Prompts hold
+/// the names of a map; the cache takes memory for each token.
 const CONTEXT_TOKENS: u32 = 4096;
-/// Number of prompts in the cache, for later ones with the same beginning.
+/// Number of prompts in the cache, for later ones with the same beginning: a planner asks three
+/// different questions in turn.
 const CACHED_PROMPTS: usize = 3;
 /// Maximum length of an answer, tokens, even if a request allows more: a small model that repeats
 /// itself does not stop.
@@ -181,8 +184,10 @@ impl<'a> Session<'a> {
             return Err(self.bad_request("it has no messages".into()));
         }
         let text = self.model.apply_chat_template(&self.template, &turns, true);
-        let text = text
-            .map_err(|e| self.bad_request(format!("the chat template of the model fails: {e}")))?;
+        let text = text.map_err(|error| {
+            let cause = with_causes(&error);
+            self.bad_request(format!("the chat template of the model fails: {cause}"))
+        })?;
         let vocab = self.model.vocab();
         // The template contains the begin-of-text token if the model needs one.
         Ok(vocab.tokenize(text.as_bytes(), false, true))
@@ -198,7 +203,8 @@ impl<'a> Session<'a> {
             Role::Assistant => "assistant",
         };
         let text = break_up(message.text.replace('\0', " "), &self.control_tokens);
-        LlamaChatMessage::new(role.into(), text).map_err(|e| self.bad_request(e.to_string()))
+        LlamaChatMessage::new(role.into(), text)
+            .map_err(|error| self.bad_request(with_causes(&error)))
     }
 
     /// Reads the tokens of a prompt that are not in the cache. Afterwards the context has the
@@ -210,7 +216,7 @@ impl<'a> Session<'a> {
             .map(|cached| cached.known(prompt))
             .max()
             .unwrap_or_default();
-        // Among equal ones the least recently used one is replaced.
+        // Among equal ones the least recently used one is replaced, which is the last of the list.
         let place = self
             .cache
             .iter()
@@ -256,10 +262,10 @@ impl<'a> Session<'a> {
                 &[self.cache[0].sequence],
                 wanted,
             );
-            added.map_err(|e| self.bad_reply(e.to_string()))?;
+            added.map_err(|error| self.bad_reply(with_causes(&error)))?;
         }
-        self.context.decode(&mut self.batch).map_err(|e| {
-            let detail = format!("llama.cpp cannot continue: {e}");
+        self.context.decode(&mut self.batch).map_err(|error| {
+            let detail = format!("llama.cpp cannot continue: {}", with_causes(&error));
             ChatError::BadReply {
                 endpoint: endpoint(self.name),
                 detail,
@@ -294,8 +300,10 @@ impl<'a> Session<'a> {
                 return Err(self.bad_reply(format!("it repeats itself{}", written.end())));
             }
             if let Some(grammar) = &mut grammar {
-                let taken = grammar.try_accept(token);
-                taken.map_err(|e| self.bad_reply(format!("it violates its grammar: {e}")))?;
+                grammar.try_accept(token).map_err(|error| {
+                    let cause = with_causes(&error);
+                    self.bad_reply(format!("it violates its grammar: {cause}"))
+                })?;
             }
             vocab.token_to_piece_into(token, &mut written.bytes, false, None);
             written.tokens.push(token);
@@ -310,16 +318,14 @@ impl<'a> Session<'a> {
             Format::Text => return Ok(None),
             Format::Json => gbnf::grammar(None),
             Format::Schema(schema) => {
-                let schema = serde_json::from_str(&schema.text);
-                gbnf::grammar(Some(
-                    &schema.map_err(|e| self.bad_request(format!("its schema: {e}")))?,
-                ))
+                let schema =
+                    serde_json::from_str(&schema.text).map_err(|error| self.bad_schema(&error))?;
+                gbnf::grammar(Some(&schema))
             }
         };
-        let sampler = LlamaSampler::grammar(self.model, &text, "root");
-        sampler
+        LlamaSampler::grammar(self.model, &text, "root")
             .map(Some)
-            .map_err(|e| self.bad_request(format!("its schema: {e}")))
+            .map_err(|error| self.bad_schema(&error))
     }
 
     /// The next token: the most probable one that the grammar allows, or a random one.
@@ -383,6 +389,10 @@ impl<'a> Session<'a> {
         self.cache
             .iter_mut()
             .for_each(|cached| cached.tokens.clear());
+    }
+
+    fn bad_schema(&self, error: &dyn std::error::Error) -> ChatError {
+        self.bad_request(format!("its schema cannot be used: {}", with_causes(error)))
     }
 
     fn bad_request(&self, detail: String) -> ChatError {

@@ -6,7 +6,8 @@ use llama_cpp_2::token::LlamaToken;
 
 use crate::quote::quote;
 
-/// Lengths of sequences that count as a loop if they are repeated, tokens.
+/// Lengths of sequences that count as a loop if they are repeated, tokens. Shorter ones are usual
+/// in JSON: lists of equal brackets, commas and keys.
 const LOOP_TOKENS: RangeInclusive<usize> = 8..=200;
 /// Number of repetitions that count as a loop.
 const LOOP_REPETITIONS: usize = 4;

@@ -62,7 +62,7 @@ pub enum ProfileError {
         name: String,
     },
     /// The file cannot be read.
-    #[error("cannot read the profile {name}: {source}")]
+    #[error("cannot read the profile {name}")]
     Io {
         /// The name that was requested.
         name: String,
@@ -70,7 +70,7 @@ pub enum ProfileError {
         source: std::io::Error,
     },
     /// The file is not TOML, or holds other keys than a profile.
-    #[error("the profile {name} cannot be used: {source}")]
+    #[error("the profile {name} cannot be used")]
     Malformed {
         /// The name that was requested.
         name: String,
@@ -78,7 +78,7 @@ pub enum ProfileError {
         source: toml::de::Error,
     },
     /// A number in the file is out of range.
-    #[error("the profile {name} cannot be used: {source}")]
+    #[error("the profile {name} cannot be used")]
     OutOfRange {
         /// The name that was requested.
         name: String,
@@ -209,6 +209,8 @@ impl Profile {
 
 #[cfg(test)]
 mod tests {
+    use openbench_core::with_causes;
+
     use super::*;
 
     #[test]
@@ -221,11 +223,7 @@ mod tests {
 
     #[test]
     fn wrong_keys_and_values_are_named() {
-        let problem = |text: &str| {
-            Profile::from_toml("mine.toml", text)
-                .unwrap_err()
-                .to_string()
-        };
+        let problem = |text: &str| with_causes(&Profile::from_toml("mine.toml", text).unwrap_err());
         let foot = Profile::text("foot").unwrap();
         let wrong = problem(&foot.replace("[ways.limit]", "[ways.limits]"));
         assert!(

@@ -25,7 +25,7 @@ const SECTIONS: usize = 20;
 #[non_exhaustive]
 pub enum GraphFileError {
     /// It cannot be read or written.
-    #[error("cannot {doing} the graph file {}: {source}", path.display())]
+    #[error("cannot {doing} the graph file {}", path.display())]
     Io {
         /// `read` or `write`.
         doing: &'static str,

@@ -1,4 +1,6 @@
 //! Why a world could not be imported: what, where, and what to do.
+//!
+//! No text repeats its source: `openbench_core::with_causes` prints both.
 
 use std::fmt;
 use std::io;
@@ -12,7 +14,7 @@ use openbench_osm::{OsmError, ProjectionError};
 #[non_exhaustive]
 pub enum ImportError {
     /// A file cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -33,7 +35,7 @@ pub enum ImportError {
     },
     /// A file is not well-formed XML.
     #[error(
-        "{}:{line}:{column}: this is not well-formed XML: {source}; the file may be cut short",
+        "{}:{line}:{column}: this is not well-formed XML; the file may be truncated",
         path.display()
     )]
     Xml {
@@ -47,7 +49,7 @@ pub enum ImportError {
         source: roxmltree::Error,
     },
     /// A line of a Wavefront OBJ file is broken.
-    #[error("{}:{line}:1: {source}", path.display())]
+    #[error("{}:{line}:1: this line cannot be used", path.display())]
     Obj {
         /// The file.
         path: PathBuf,
@@ -57,7 +59,7 @@ pub enum ImportError {
         source: ObjError,
     },
     /// A file is not STL.
-    #[error("{}: this is not STL: {source}", path.display())]
+    #[error("{}: this is not STL", path.display())]
     Stl {
         /// The file.
         path: PathBuf,
@@ -65,7 +67,7 @@ pub enum ImportError {
         source: io::Error,
     },
     /// An image cannot be decoded.
-    #[error("{}: cannot read this image: {source}", path.display())]
+    #[error("{}: cannot read this image", path.display())]
     Image {
         /// The file.
         path: PathBuf,
@@ -108,7 +110,7 @@ pub enum ImportError {
     #[error(transparent)]
     Map(#[from] OsmError),
     /// The map has no usable position on the Earth.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: the map has no usable position on the Earth", path.display())]
     Georeference {
         /// The map.
         path: PathBuf,

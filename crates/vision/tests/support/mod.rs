@@ -289,7 +289,7 @@ pub fn ppocr() -> Option<PpOcr> {
     let store = ModelStore::from_environment().ok()?;
     let there = catalogue::named("ppocr-v4")
         .into_iter()
-        .all(|file| store.has(file));
+        .all(|file| store.contains(file));
     let settings = PpOcrSettings {
         upper_part: 0.6,
         ..PpOcrSettings::default()

@@ -28,7 +28,7 @@ pub fn parse_log(text: &str) -> Result<Vec<LoggedTask>, LineProblem> {
         }
         let row = parse_row(line).map_err(|problem| LineProblem {
             line: number,
-            problem,
+            problem: problem.to_string(),
         })?;
         let end = MapPoint::new(row.at[0], row.at[1]);
         match (row.status.as_str(), tasks.last_mut()) {
@@ -54,16 +54,28 @@ struct Row {
     at: [f64; 3],
 }
 
-fn parse_row(line: &str) -> Result<Row, String> {
+/// Why a row is not one of a log.
+#[derive(Debug, thiserror::Error)]
+enum RowError {
+    #[error("{count} fields, but 6 are expected: timestamp,status,address,robot_x,robot_y,robot_z")]
+    FieldCount { count: usize },
+    #[error("status `{status}` is none of start, running, end")]
+    Status { status: String },
+    #[error("`{text}` is no coordinate")]
+    Coordinate { text: String },
+    #[error("a double quote is not closed")]
+    OpenQuote,
+}
+
+fn parse_row(line: &str) -> Result<Row, RowError> {
     let fields = split_fields(line)?;
     let [_, status, first, others @ .., x, y, z] = fields.as_slice() else {
-        return Err(format!(
-            "{} fields, but 6 are expected: timestamp,status,address,robot_x,robot_y,robot_z",
-            fields.len()
-        ));
+        let count = fields.len();
+        return Err(RowError::FieldCount { count });
     };
     if !["start", "running", "end"].contains(&status.trim()) {
-        return Err(format!("status `{status}` is none of start, running, end"));
+        let status = status.clone();
+        return Err(RowError::Status { status });
     }
     let at = [coordinate(x)?, coordinate(y)?, coordinate(z)?];
     // Some writers do not quote: the commas of an address then divide it into several fields.
@@ -74,13 +86,13 @@ fn parse_row(line: &str) -> Result<Row, String> {
     })
 }
 
-fn coordinate(text: &str) -> Result<f64, String> {
+fn coordinate(text: &str) -> Result<f64, RowError> {
     let number = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-    number.ok_or_else(|| format!("`{text}` is no coordinate"))
+    number.ok_or_else(|| RowError::Coordinate { text: text.into() })
 }
 
 /// The fields of a CSV row; a field in double quotes may contain commas and doubled quotes.
-fn split_fields(line: &str) -> Result<Vec<String>, String> {
+fn split_fields(line: &str) -> Result<Vec<String>, RowError> {
     let (mut fields, mut field, mut quoted) = (Vec::new(), String::new(), false);
     let mut rest = line.chars().peekable();
     while let Some(c) = rest.next() {
@@ -93,7 +105,7 @@ fn split_fields(line: &str) -> Result<Vec<String>, String> {
     }
     fields.push(field);
     if quoted {
-        Err("a double quote is not closed".to_owned())
+        Err(RowError::OpenQuote)
     } else {
         Ok(fields)
     }

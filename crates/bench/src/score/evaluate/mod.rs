@@ -50,13 +50,37 @@ pub enum EvaluateError {
         problem: String,
     },
     /// Log and truth file do not belong together.
-    #[error("{}: {problem}", path.display())]
+    #[error("{} does not fit the log", path.display())]
     Mismatch {
         /// The truth file.
         path: PathBuf,
         /// What is wrong, and what to do.
-        problem: String,
+        source: MismatchError,
     },
+}
+
+/// Why a truth file does not belong to a log.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MismatchError {
+    /// A line has several true positions, but no sequences were announced.
+    #[error("a line has several true positions, which are a sequence; add --sequence")]
+    IsSequence,
+    /// The log and the truth file have different numbers of deliveries.
+    #[error(
+        "{} for {}; give one true position for each task of the log, in the same order",
+        count(*truths, "true position", "true positions"),
+        count(*tasks, "task", "tasks")
+    )]
+    Count {
+        /// Number of true positions.
+        truths: usize,
+        /// Number of tasks in the log.
+        tasks: usize,
+    },
+    /// Both files are empty.
+    #[error("there are no true positions; write one `(x, y)` per line")]
+    Empty,
 }
 
 /// The evaluation of a log.
@@ -116,8 +140,8 @@ pub fn evaluate(log: &Path, truth: &Path, sequence: bool) -> Result<Evaluation, 
     };
     let tasks = at(log, parse_log(&read(log)?))?;
     let lines = at(truth, parse_truth(&read(truth)?))?;
-    let episodes = group_truths(lines, sequence).map_err(|problem| mismatch(truth, problem))?;
-    score(&tasks, &episodes).map_err(|problem| mismatch(truth, problem))
+    let episodes = group_truths(lines, sequence).map_err(|source| mismatch(truth, source))?;
+    score(&tasks, &episodes).map_err(|source| mismatch(truth, source))
 }
 
 fn at<T>(path: &Path, parsed: Result<T, LineProblem>) -> Result<T, EvaluateError> {
@@ -128,37 +152,37 @@ fn at<T>(path: &Path, parsed: Result<T, LineProblem>) -> Result<T, EvaluateError
     })
 }
 
-fn mismatch(path: &Path, problem: String) -> EvaluateError {
+fn mismatch(path: &Path, source: MismatchError) -> EvaluateError {
     EvaluateError::Mismatch {
         path: path.to_owned(),
-        problem,
+        source,
     }
 }
 
 /// True positions by episode. One sequence may be written as one line, or with one position per
 /// line; several lines with several positions each are several sequences.
-fn group_truths(lines: Vec<Vec<MapPoint>>, sequence: bool) -> Result<Vec<Vec<MapPoint>>, String> {
+fn group_truths(
+    lines: Vec<Vec<MapPoint>>,
+    sequence: bool,
+) -> Result<Vec<Vec<MapPoint>>, MismatchError> {
     let singles = lines.iter().all(|line| line.len() == 1);
     match (sequence, singles) {
         (true, true) => Ok(vec![lines.concat()]),
-        (false, false) => Err(
-            "a line has several true positions, which are a sequence; add --sequence".to_owned(),
-        ),
+        (false, false) => Err(MismatchError::IsSequence),
         _ => Ok(lines),
     }
 }
 
-fn score(tasks: &[LoggedTask], episodes: &[Vec<MapPoint>]) -> Result<Evaluation, String> {
+fn score(tasks: &[LoggedTask], episodes: &[Vec<MapPoint>]) -> Result<Evaluation, MismatchError> {
     let truths: usize = episodes.iter().map(Vec::len).sum();
     if truths != tasks.len() {
-        return Err(format!(
-            "{} for {}; give one true position for each task of the log, in the same order",
-            count(truths, "true position", "true positions"),
-            count(tasks.len(), "task", "tasks")
-        ));
+        return Err(MismatchError::Count {
+            truths,
+            tasks: tasks.len(),
+        });
     }
     if truths == 0 {
-        return Err("there are no true positions; write one `(x, y)` per line".to_owned());
+        return Err(MismatchError::Empty);
     }
     let deliveries: Vec<_> = legs(episodes)
         .zip(tasks)
@@ -252,6 +276,8 @@ fn sequence_values(
 
 #[cfg(test)]
 mod tests {
+    use openbench_core::with_causes;
+
     use super::*;
 
     const LOG: &str = "timestamp,status,address,robot_x,robot_y,robot_z\r\n\
@@ -267,7 +293,7 @@ mod tests {
         let (log, gt) = (dir.path().join("log.csv"), dir.path().join("gt.txt"));
         fs::write(&log, LOG).unwrap();
         fs::write(&gt, truth).unwrap();
-        evaluate(&log, &gt, sequence).map_err(|e| e.to_string())
+        evaluate(&log, &gt, sequence).map_err(|error| with_causes(&error))
     }
 
     #[test]

@@ -14,7 +14,7 @@ use std::time::Duration;
 use anyhow::Context;
 use cpu_time::ThreadTime;
 use openbench_bench::score::metrics::{EstimatedPose, Nees, StampedPose, nees};
-use openbench_core::{Pose3, RobotDescription, SimTime};
+use openbench_core::{Pose3, RobotDescription, SimTime, with_causes};
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Refused, Status};
 use openbench_localization::wheels::Wheels;
 use openbench_logs::messages::{CustomMsg, Imu, JointState, Message, Odometry, PointCloud2};
@@ -35,8 +35,9 @@ pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
                 Ok(message) => drive.take(&message)?,
                 Err(error) => {
                     tell(&format!(
-                        "{}: {error}; what stands before that is used",
-                        file.display()
+                        "{}: only the messages before this error are used: {}",
+                        file.display(),
+                        with_causes(&error)
                     ));
                     break;
                 }

@@ -71,13 +71,15 @@ fn lexeme_of(reading: &Reading<'_>, token: usize) -> usize {
 
 /// `not before 6 pm`, `下午6点前不要送`.
 fn is_denied(reading: &Reading<'_>, tokens: Range<usize>) -> bool {
-    let denies = |at: usize| {
-        use Class::{Dropped, Except, Not, NotBefore};
-        matches!(reading.class(at), Some(Not | Except | NotBefore | Dropped))
-    };
     let first = lexeme_of(reading, tokens.start);
     let next = lexeme_of(reading, tokens.end);
-    (first.saturating_sub(2)..first).any(denies) || denies(next)
+    // One word may stand between a `not` and the time.
+    (first.saturating_sub(2)..first).any(|at| denies(reading, at)) || denies(reading, next)
+}
+
+fn denies(reading: &Reading<'_>, at: usize) -> bool {
+    use Class::{Dropped, Except, Not, NotBefore};
+    matches!(reading.class(at), Some(Not | Except | NotBefore | Dropped))
 }
 
 fn has_stop(reading: &Reading<'_>, mut range: Range<usize>) -> bool {
@@ -86,24 +88,18 @@ fn has_stop(reading: &Reading<'_>, mut range: Range<usize>) -> bool {
 
 /// All doors of the sentence around a place; if it has none, those of the one before or behind.
 fn all(reading: &Reading<'_>, doors: &[Door], at: usize) -> Range<usize> {
-    let is_before = |door: &Door| door.last <= at;
-    let is_behind = |door: &Door| door.first >= at;
     let first_of_sentence = doors
         .iter()
-        .position(|door| is_before(door) && !has_stop(reading, door.last..at));
+        .position(|door| door.last <= at && !has_stop(reading, door.last..at));
     let last_of_sentence = doors
         .iter()
-        .rposition(|door| is_behind(door) && !has_stop(reading, at..door.first));
-    let from = first_of_sentence
-        .or_else(|| doors.iter().position(is_behind))
-        .unwrap_or(doors.len());
-    let end = match last_of_sentence {
-        Some(last) => last + 1,
-        None => doors
-            .iter()
-            .rposition(is_before)
-            .map_or(from, |last| last + 1),
-    };
+        .rposition(|door| door.first >= at && !has_stop(reading, at..door.first));
+    let first_behind = doors.iter().position(|door| door.first >= at);
+    let last_before = doors.iter().rposition(|door| door.last <= at);
+    let from = first_of_sentence.or(first_behind).unwrap_or(doors.len());
+    let end = last_of_sentence
+        .or(last_before)
+        .map_or(from, |last| last + 1);
     from..end.max(from)
 }
 
@@ -122,13 +118,18 @@ fn beside(reading: &Reading<'_>, doors: &[Door], at: usize) -> Range<usize> {
     let leads = before.zip(behind).is_some_and(|(before, behind)| {
         breaks(reading, doors[before].last..at) && !breaks(reading, at..doors[behind].first)
     });
-    let parts = |i: &usize| !are_listed(reading, &doors[i - 1], &doors[*i]);
     if let Some(last) = before.filter(|_| !leads) {
-        let first = (1..=last).rev().find(parts).unwrap_or(0);
+        let first = (1..=last)
+            .rev()
+            .find(|i| !are_listed(reading, &doors[i - 1], &doors[*i]))
+            .unwrap_or(0);
         return first..last + 1;
     }
     let Some(first) = behind else { return 0..0 };
-    first..(first + 1..doors.len()).find(parts).unwrap_or(doors.len())
+    let end = (first + 1..doors.len())
+        .find(|i| !are_listed(reading, &doors[i - 1], &doors[*i]))
+        .unwrap_or(doors.len());
+    first..end
 }
 
 /// Whether a comma or the like stands in a range.

@@ -45,19 +45,19 @@ fn replace(
             break;
         }
         let level = selection.mentions[i].level;
-        let is_candidate = |old: &usize| {
+        // One correction replaces one place of each level.
+        if !selection.is_meant(i) || replaced.contains(&level) {
+            continue;
+        }
+        let old = (0..next).rev().find(|old| {
             let is_there = named_before.is_none_or(|building| owners[*old] == Some(building));
             selection.is_meant(*old) && selection.mentions[*old].level == level && is_there
-        };
-        let is_kept = |old: &usize| {
-            (level == Level::Building || named_before.is_some())
-                && are_same(&selection.mentions, *old, i)
-        };
-        let old = (0..next)
-            .rev()
-            .find(is_candidate)
-            .filter(|old| !is_kept(old));
-        if let Some(old) = old.filter(|_| selection.is_meant(i) && !replaced.contains(&level)) {
+        });
+        let Some(old) = old else { continue };
+        // What is said again is confirmed. Units with one number may be of several buildings.
+        let is_kept = (level == Level::Building || named_before.is_some())
+            && are_same(&selection.mentions, old, i);
+        if !is_kept {
             selection.left_out[old] = Some(Why::Denied);
             replaced.push(level);
         }
@@ -128,10 +128,9 @@ fn is_of_correction(
     let is_beside = distance <= REACH && (!is_parted || stands_alone(reading, at + 1..from));
     let is_near = is_beside || !is_instead && !is_parted && distance <= FAR_REACH;
     // Of its building and unit the last.
-    let is_same_place = |mention: &&Mention| mention.at.start == mentions[next].at.end;
     let last = mentions
         .get(next + 1)
-        .filter(is_same_place)
+        .filter(|behind| behind.at.start == mentions[next].at.end)
         .unwrap_or(&mentions[next]);
     is_near && !comes_on_top(reading, at + 1..from, last.at.end)
 }
@@ -139,21 +138,20 @@ fn is_of_correction(
 /// `Sorry. Building 8`, but not `sorry to be late. Building 8`: whether the correction's sentence
 /// says nothing else.
 fn stands_alone(reading: &Reading<'_>, behind: Range<usize>) -> bool {
-    let is_passed = |at: usize| {
-        use Class::{Correct, Filler};
+    use Class::{Correct, Filler};
+    behind.take_while(|at| !reading.is_stop(*at)).all(|at| {
         matches!(
             reading.lex(at),
             Some(Lex::Comma | Lex::Mark | Lex::Dash | Lex::Word(Correct | Filler, _))
         )
-    };
-    behind.take_while(|at| !reading.is_stop(*at)).all(is_passed)
+    })
 }
 
 /// `but go to unit 2 of building 8 instead`: the place before the word replaces those before it.
 fn replacing_before(reading: &Reading<'_>, mentions: &[Mention], at: usize) -> Option<usize> {
     let last = mentions.iter().rposition(|mention| mention.at.end <= at)?;
-    let parts = |at: usize| matches!(reading.lex(at), Some(Lex::Stop | Lex::Comma));
-    if (mentions[last].at.end..at).any(parts) {
+    let mut gap = mentions[last].at.end..at;
+    if gap.any(|at| matches!(reading.lex(at), Some(Lex::Stop | Lex::Comma))) {
         return None;
     }
     let building = owners(reading, mentions)[last];
@@ -163,14 +161,15 @@ fn replacing_before(reading: &Reading<'_>, mentions: &[Mention], at: usize) -> O
 /// `building 3, sorry for the noise, and building 4`, `実は4号棟も`: whether a place comes on top of
 /// those before it.
 fn comes_on_top(reading: &Reading<'_>, mut gap: Range<usize>, end: usize) -> bool {
-    let is_mark = |at: usize| {
-        reading
-            .token(at)
-            .is_some_and(|token| token.kind == Kind::Mark)
-    };
-    let adds =
-        |at: usize| matches!(reading.class(at), Some(Class::And | Class::Also)) && !is_mark(at);
-    gap.any(adds) || reading.class(end) == Some(Class::Also)
+    gap.any(|at| is_word_that_adds(reading, at)) || reading.class(end) == Some(Class::Also)
+}
+
+/// `and` and `also`, but not `&` or `、`, which also part a correction from its place.
+fn is_word_that_adds(reading: &Reading<'_>, at: usize) -> bool {
+    let is_mark = reading
+        .token(at)
+        .is_some_and(|token| token.kind == Kind::Mark);
+    matches!(reading.class(at), Some(Class::And | Class::Also)) && !is_mark
 }
 
 /// `building 6 unit 1, sorry, 2`, `2番じゃなくて4番`: a number alone replaces the last one, or that of
@@ -191,19 +190,15 @@ pub(super) fn correct_numbers(reading: &Reading<'_>, selection: &mut Selection) 
 
 /// The mention that a number behind a correction at a place replaces.
 fn replaced(selection: &Selection, at: usize) -> Option<usize> {
-    let before = || {
-        (0..selection.count())
-            .rev()
-            .filter(|i| selection.mentions[*i].at.end <= at)
-    };
-    let meant = before().find(|i| selection.is_meant(*i));
+    let before: Vec<usize> = (0..selection.count())
+        .filter(|i| selection.mentions[*i].at.end <= at)
+        .collect();
+    let meant = before.iter().rev().find(|i| selection.is_meant(**i));
     // `not to building 3 but to 4`
-    let denied = || {
-        before()
-            .next()
-            .filter(|i| selection.left_out[*i] == Some(Why::Denied))
-    };
-    meant.or_else(denied)
+    let denied = before
+        .last()
+        .filter(|i| selection.left_out[**i] == Some(Why::Denied));
+    meant.or(denied).copied()
 }
 
 /// Puts `target`, which stands at `number`, for what `old` names, or for its building, or adds it
@@ -223,8 +218,10 @@ fn replace_number(
     // `la unidad no es la 4, sino la 2`
     let said = said_level(reading, selection.mentions[old].at.end..number);
     if said == Some(Level::Building) || keeps_unit {
-        let is_building = |i: &usize| selection.is_building(*i) && selection.is_meant(*i);
-        old = (0..=old).rev().find(is_building).unwrap_or(old);
+        let building = (0..=old)
+            .rev()
+            .find(|i| selection.is_building(*i) && selection.is_meant(*i));
+        old = building.unwrap_or(old);
     } else if said == Some(Level::Unit) && selection.is_building(old) {
         let place = selection
             .mentions

@@ -12,7 +12,7 @@ use crate::lexicon::feature::Feature;
 use crate::lexicon::lexeme::Lex;
 use crate::lexicon::marks;
 
-/// The most words of no lexicon that are a person's name.
+/// The most words of no lexicon that are a person's name. Each ideograph is a word.
 const LONGEST_PERSON: usize = 4;
 
 /// What a rule makes of a mention.
@@ -29,6 +29,9 @@ use Why::{Denied, Elsewhere};
 pub(crate) type Denial = Rule<fn(&Reading<'_>, &Mention) -> Option<Verdict>>;
 
 /// What words beside a mention make of it. The first rule that says anything decides.
+///
+/// Words behind a mention are asked first, since words in front of it may be of an earlier place.
+/// The last rule takes the nearest word with weight, whatever it is, so no rule can follow it.
 pub(crate) const DENIALS: &[Denial] = &[
     Denial {
         name: "what comes from a place, or is beside it, is said behind it",
@@ -171,13 +174,11 @@ fn dropped_behind(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
 /// `if nobody is in at building 3`, `only after building 3 has got theirs`
 fn is_conditional(reading: &Reading<'_>, at: usize) -> bool {
     use Class::{After, Before, If, Wait};
-    let is_inside = |at: &usize| !reading.is_stop(*at);
-    let is_condition = |at: usize| matches!(reading.class(at), Some(If | After | Before | Wait));
     (0..at)
         .rev()
-        .take_while(is_inside)
+        .take_while(|at| !reading.is_stop(*at))
         .take(REACH)
-        .any(is_condition)
+        .any(|at| matches!(reading.class(at), Some(If | After | Before | Wait)))
 }
 
 /// `Vergiss Gebäude 8 nicht!`
@@ -211,10 +212,8 @@ fn dropped_behind_a_comma(reading: &Reading<'_>, mention: &Mention) -> Option<Ve
     }
     let from = mention.at.end + 1;
     let mut clause = (from..reading.lexemes.len()).take_while(|at| !ends_a_clause(reading, *at));
-    let is_light = |at: usize| reading.class(at).is_some_and(is_light);
-    let is_place = |at: usize| matches!(reading.lex(at), Some(Lex::Number { .. } | Lex::Name(_)));
-    let first = clause.find(|at| !is_light(*at))?;
-    if clause.any(is_place) {
+    let first = clause.find(|at| !reading.class(*at).is_some_and(is_light))?;
+    if clause.any(|at| matches!(reading.lex(at), Some(Lex::Number { .. } | Lex::Name(_)))) {
         return None;
     }
     match reading.lex(first)? {
@@ -239,13 +238,10 @@ fn said_of_somebody(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict>
         return None;
     }
     let name = mention.at.end + 1;
-    let is_name = |at: &usize| {
-        matches!(
-            reading.lex(*at),
-            Some(Lex::Unknown | Lex::Word(Class::Item, _))
-        )
-    };
-    let length = (name..reading.lexemes.len()).take_while(is_name).count();
+    let length = (name..reading.lexemes.len())
+        .take_while(|at| is_of_a_person_or_thing(reading, *at))
+        .count();
+    // A longer run of unknown words is a clause in a language that has no spaces.
     if !(1..=LONGEST_PERSON).contains(&length) {
         return None;
     }
@@ -260,6 +256,14 @@ fn said_of_somebody(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict>
         Class::Dropped => Some(LeftOut(Denied)),
         _ => None,
     }
+}
+
+/// Whether a lexeme may be of a person's name or of a thing: `山本さん`, `の荷物`.
+fn is_of_a_person_or_thing(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(
+        reading.lex(at),
+        Some(Lex::Unknown | Lex::Word(Class::Item, _))
+    )
 }
 
 /// `Sender: building 2`, `From: Mrs Chen, building 2`
@@ -306,22 +310,20 @@ fn where_to_fetch(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
 
 /// `去2号楼老张家拿一下电钻`, `図書館で本を受け取って`: in languages that put the verb behind.
 fn fetched_behind(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
-    let is_inside = |at: &usize| {
-        use Class::{And, Building, Toward};
-        let lex = reading.lex(*at);
-        !matches!(
-            lex,
-            None | Some(
-                Lex::Stop | Lex::Comma | Lex::Name(_) | Lex::Word(And | Building | Toward, _)
-            )
-        )
-    };
-    let clause = (mention.at.end..reading.lexemes.len()).take_while(is_inside);
-    let is_pickup = |at: usize| reading.lex(at) == Some(&Lex::Word(Class::Pickup, true));
-    clause
+    (mention.at.end..reading.lexemes.len())
+        .take_while(|at| !begins_another_place(reading, *at))
         .take(REACH)
-        .any(is_pickup)
+        .any(|at| reading.lex(at) == Some(&Lex::Word(Class::Pickup, true)))
         .then_some(LeftOut(Elsewhere))
+}
+
+/// Whether another clause or place begins, of which the verb behind it is said.
+fn begins_another_place(reading: &Reading<'_>, at: usize) -> bool {
+    use Class::{And, Building, Toward};
+    matches!(
+        reading.lex(at),
+        None | Some(Lex::Stop | Lex::Comma | Lex::Name(_) | Lex::Word(And | Building | Toward, _))
+    )
 }
 
 /// `von Gebäude 3, Einheit 1 zu Gebäude 8`: `of` or `from` before a building, and words for where
@@ -332,16 +334,9 @@ fn brought_from(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
     if mention.level != Level::Building || !is_from {
         return None;
     }
-    let is_of_address = |at: &usize| {
-        let lex = reading.lex(*at);
-        matches!(
-            lex,
-            Some(Lex::Number { .. } | Lex::Comma | Lex::Word(Class::Unit | Class::Room, _))
-        )
-    };
     let to = end
         + (end..reading.lexemes.len())
-            .take_while(is_of_address)
+            .take_while(|at| is_of_an_address(reading, *at))
             .count();
     let is_toward = matches!(
         reading.class(to),
@@ -357,6 +352,14 @@ fn brought_from(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
         _ => false,
     };
     (is_toward && is_place).then_some(LeftOut(Elsewhere))
+}
+
+/// Whether a lexeme may be of an address behind its building: `, Einheit 1`.
+fn is_of_an_address(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(
+        reading.lex(at),
+        Some(Lex::Number { .. } | Lex::Comma | Lex::Word(Class::Unit | Class::Room, _))
+    )
 }
 
 /// `not building 6`, `next to building 5`: light words and things may stand between.
@@ -386,44 +389,44 @@ fn denied_before(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
 /// `They called off the one in building 3`, but `goes out to building 3`: whether the place at
 /// `start` is the object of the word that drops.
 fn is_object(reading: &Reading<'_>, dropped: usize, start: usize) -> bool {
-    let is_passed =
-        |at: usize| matches!(reading.class(at), Some(Class::Article | Class::Determiner));
-    (dropped + 1..start).all(is_passed) && says_no_place_before(reading, dropped)
+    (dropped + 1..start).all(|at| is_article_or_determiner(reading, at))
+        && says_no_place_before(reading, dropped)
+}
+
+fn is_article_or_determiner(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(reading.class(at), Some(Class::Article | Class::Determiner))
 }
 
 /// Whether no level is named between the beginning of the clause and a place: what was cancelled
 /// comes behind it then.
 fn says_no_place_before(reading: &Reading<'_>, at: usize) -> bool {
-    let is_place = |at: usize| {
-        use Class::{Building, Room, Unit};
-        let lex = reading.lex(at);
-        matches!(
-            lex,
-            Some(Lex::Name(_) | Lex::Number { .. } | Lex::Word(Building | Unit | Room, _))
-        )
-    };
     !(0..at)
         .rev()
         .take_while(|at| !ends_a_clause(reading, *at))
-        .any(is_place)
+        .any(|at| is_of_a_place(reading, at))
+}
+
+/// Whether a lexeme names a place or is of its name.
+fn is_of_a_place(reading: &Reading<'_>, at: usize) -> bool {
+    use Class::{Building, Room, Unit};
+    matches!(
+        reading.lex(at),
+        Some(Lex::Name(_) | Lex::Number { .. } | Lex::Word(Building | Unit | Room, _))
+    )
 }
 
 /// What is said of a person, unknown words that end at a place and have a link behind them: `from
 /// my sister's in building 9`, `not to her husband in unit 1`.
 fn of_somebody(reading: &Reading<'_>, at: usize) -> Option<Verdict> {
-    let is_name = |at: &usize| {
-        matches!(reading.lex(*at), Some(Lex::Unknown | Lex::Mark))
-            && !reading.begins_with(*at, marks::COLON)
-    };
-    let start = (0..=at).rev().take_while(is_name).last()?;
+    let start = (0..=at)
+        .rev()
+        .take_while(|at| is_of_a_persons_name(reading, *at))
+        .last()?;
     if at - start >= LONGEST_PERSON || reading.class(at + 1) != Some(Class::Link) {
         return None;
     }
     let mut before = start.checked_sub(1)?;
-    if matches!(
-        reading.class(before),
-        Some(Class::Article | Class::Determiner)
-    ) {
+    if is_article_or_determiner(reading, before) {
         before = before.saturating_sub(1);
     }
     match reading.class(before)? {
@@ -436,4 +439,11 @@ fn of_somebody(reading: &Reading<'_>, at: usize) -> Option<Verdict> {
         }
         _ => None,
     }
+}
+
+/// Whether a lexeme may be of a person's name: unknown words, and the mark in `sister's`. A colon
+/// ends what it is said of.
+fn is_of_a_persons_name(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(reading.lex(at), Some(Lex::Unknown | Lex::Mark))
+        && !reading.begins_with(at, marks::COLON)
 }

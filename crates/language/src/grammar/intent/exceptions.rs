@@ -34,12 +34,14 @@ pub(super) fn take_back(reading: &Reading<'_>, selection: &mut Selection) {
 fn named_before(reading: &Reading<'_>, selection: &Selection) -> Vec<Taken> {
     let mentions = &selection.mentions;
     let owners = owners(reading, mentions);
-    let has_unit = |b: usize| (0..mentions.len()).any(|i| i != b && owners[i] == Some(b));
-    let is_denied = |i: &usize| selection.left_out[*i] == Some(Why::Denied);
     let mut taken = Vec::new();
-    for denied in (0..mentions.len()).filter(is_denied) {
+    for denied in 0..mentions.len() {
+        if selection.left_out[denied] != Some(Why::Denied) {
+            continue;
+        }
+        // A building with units is denied for their sake: `not building 5 unit 2`.
         let is_building = mentions[denied].is_building();
-        if is_building && has_unit(denied) {
+        if is_building && has_unit(&owners, denied) {
             continue;
         }
         for earlier in (0..denied).filter(|i| selection.is_meant(*i)) {
@@ -56,16 +58,18 @@ fn named_before(reading: &Reading<'_>, selection: &Selection) -> Vec<Taken> {
     taken
 }
 
+/// Whether a building owns another mention than itself.
+fn has_unit(owners: &[Option<usize>], building: usize) -> bool {
+    (0..owners.len()).any(|i| i != building && owners[i] == Some(building))
+}
+
 /// `Buildings 1, 6 and 11 …. The 6 has cancelled`: places taken back by their numbers alone.
 fn by_number(reading: &Reading<'_>, selection: &Selection) -> Vec<Taken> {
-    let mentions = &selection.mentions;
-    let is_free = |at: usize| mentions.iter().all(|mention| !mention.at.contains(&at));
-    let is_headed = |at: usize| {
-        use Class::{Article, Determiner, Link};
-        at > 0 && matches!(reading.class(at - 1), Some(Article | Link | Determiner))
-    };
     let mut taken = Vec::new();
-    for at in (0..reading.lexemes.len()).filter(|at| is_free(*at) && is_headed(*at)) {
+    for at in 0..reading.lexemes.len() {
+        if is_in_a_mention(&selection.mentions, at) || !is_headed(reading, at) {
+            continue;
+        }
         let Some(Lex::Number {
             label,
             ordinal: false,
@@ -77,15 +81,31 @@ fn by_number(reading: &Reading<'_>, selection: &Selection) -> Vec<Taken> {
             continue;
         }
         let target = Target::bare(label);
-        let is_named = |i: &usize| {
-            selection.is_meant(*i) && mentions[*i].at.end <= at && mentions[*i].names(&target)
-        };
-        let named: Vec<usize> = (0..mentions.len()).filter(is_named).collect();
-        let building = named.iter().find(|i| mentions[**i].is_building());
-        let mention = building.or(named.first()).copied();
+        let mention = named_by_number(selection, at, &target);
         taken.extend(mention.map(|mention| Taken { mention, target }));
     }
     taken
+}
+
+fn is_in_a_mention(mentions: &[Mention], at: usize) -> bool {
+    mentions.iter().any(|mention| mention.at.contains(&at))
+}
+
+/// `the 6`: whether a word that heads a noun stands before a place. A bare number counts.
+fn is_headed(reading: &Reading<'_>, at: usize) -> bool {
+    use Class::{Article, Determiner, Link};
+    at > 0 && matches!(reading.class(at - 1), Some(Article | Link | Determiner))
+}
+
+/// The mention before a place that a number alone means: a building rather than a unit.
+fn named_by_number(selection: &Selection, at: usize, target: &Target) -> Option<usize> {
+    let mentions = &selection.mentions;
+    let named: Vec<usize> = (0..mentions.len())
+        .filter(|i| selection.is_meant(*i))
+        .filter(|i| mentions[*i].at.end <= at && mentions[*i].names(target))
+        .collect();
+    let building = named.iter().find(|i| mentions[**i].is_building());
+    building.or(named.first()).copied()
 }
 
 /// `The 6 has cancelled`, `en el 6 no, que …`
@@ -105,22 +125,32 @@ fn are_of_one_building(mentions: &[Mention], a: Option<usize>, b: Option<usize>)
 
 /// `Everyone in building 3 apart from unit 2`: an exception implies all other units.
 pub(super) fn all_but(reading: &Reading<'_>, selection: &mut Selection) {
-    let mentions = &selection.mentions;
-    let owners = owners(reading, mentions);
-    let count = mentions.len();
-    let is_unit_of = |i: usize, b: usize| !mentions[i].is_building() && owners[i] == Some(b);
-    let has_units = |b: usize| (0..count).any(|i| is_unit_of(i, b) && selection.is_meant(i));
-    let is_left_out = |i: usize| !selection.is_meant(i) && is_excepted(reading, &mentions[i]);
-    let excepts = |b: usize| (0..count).any(|i| is_unit_of(i, b) && is_left_out(i));
-    let is_but = |b: &usize| {
-        mentions[*b].is_building() && selection.is_meant(*b) && !has_units(*b) && excepts(*b)
-    };
-    let found: Vec<usize> = (0..count).filter(is_but).collect();
+    let owners = owners(reading, &selection.mentions);
+    let found: Vec<usize> = (0..selection.count())
+        .filter(|i| selection.is_building(*i) && selection.is_meant(*i))
+        .filter(|building| has_only_exceptions(reading, selection, &owners, *building))
+        .collect();
     // From the end, so that indices stay right.
     for building in found.into_iter().rev() {
         let end = selection.mentions[building].at.end;
         selection.insert(building + 1, Mention::all(Level::Unit, end..end, None));
     }
+}
+
+/// Whether a building has units that an exception leaves out, and none that is meant.
+fn has_only_exceptions(
+    reading: &Reading<'_>,
+    selection: &Selection,
+    owners: &[Option<usize>],
+    building: usize,
+) -> bool {
+    let units: Vec<usize> = (0..selection.count())
+        .filter(|i| !selection.is_building(*i) && owners[*i] == Some(building))
+        .collect();
+    !units.iter().any(|unit| selection.is_meant(*unit))
+        && units
+            .iter()
+            .any(|unit| is_excepted(reading, &selection.mentions[*unit]))
 }
 
 /// `but unit 1 and unit 3`: what is listed with an exception is one.
@@ -139,17 +169,21 @@ fn is_excepted(reading: &Reading<'_>, mention: &Mention) -> bool {
     if reading.class(mention.at.end) == Some(Class::ExceptBehind) {
         return true;
     }
-    let is_passed = |at: usize| match reading.lex(at) {
-        Some(Lex::Number { .. } | Lex::Word(Class::Unit | Class::Room | Class::And, _)) => true,
-        Some(Lex::Word(class, _)) => is_light(*class),
-        _ => false,
-    };
     let weighty = (0..mention.at.start)
         .rev()
         .take(REACH)
-        .find(|at| !is_passed(*at));
+        .find(|at| !may_be_listed(reading, *at));
     let class = weighty.and_then(|at| reading.class(at));
     matches!(class, Some(Class::Except | Class::Between))
+}
+
+/// Whether a lexeme may stand between a word for an exception and the last unit of its list.
+fn may_be_listed(reading: &Reading<'_>, at: usize) -> bool {
+    match reading.lex(at) {
+        Some(Lex::Number { .. } | Lex::Word(Class::Unit | Class::Room | Class::And, _)) => true,
+        Some(Lex::Word(class, _)) => is_light(*class),
+        _ => false,
+    }
 }
 
 /// `all units of building 3 but unit 2`: all units are those that are not left out.
@@ -166,11 +200,7 @@ pub(super) fn except(reading: &Reading<'_>, selection: &mut Selection) {
                     && are_of_one_building(&selection.mentions, owners[all], owners[i])
             })
             .collect();
-        // `units 1 to 3, one for each unit`
-        let is_list = |i: usize| {
-            is_of_it[i] && selection.is_meant(i) && selection.mentions[i].targets.len() > 1
-        };
-        if (0..selection.count()).any(is_list) {
+        if lists_units(selection, &is_of_it) {
             selection.left_out[all] = Some(Why::Denied);
             continue;
         }
@@ -183,6 +213,13 @@ pub(super) fn except(reading: &Reading<'_>, selection: &mut Selection) {
     }
 }
 
+/// `units 1 to 3, one for each unit`: whether units of a building are listed, so that `each` means
+/// those.
+fn lists_units(selection: &Selection, is_of_it: &[bool]) -> bool {
+    (0..selection.count())
+        .any(|i| is_of_it[i] && selection.is_meant(i) && selection.mentions[i].targets.len() > 1)
+}
+
 /// Leaves out what is listed before a unit that is left out.
 fn leave_out_joined(
     reading: &Reading<'_>,
@@ -190,6 +227,7 @@ fn leave_out_joined(
     all: usize,
     is_of_it: &[bool],
 ) {
+    // From the end, so that `units 2, 3 and 4 have theirs` leaves out one after the other.
     for i in (0..selection.count().saturating_sub(1)).rev() {
         let is_next =
             i != all && is_of_it[i] && selection.is_meant(i) && !selection.is_meant(i + 1);
@@ -202,42 +240,41 @@ fn leave_out_joined(
 /// The labels of the units of a building that are left out.
 fn labels_left_out(selection: &Selection, is_of_it: &[bool]) -> Vec<String> {
     let excepted = (0..selection.count()).filter(|i| is_of_it[*i] && !selection.is_meant(*i));
-    let targets = excepted.flat_map(|i| &selection.mentions[i].targets);
-    let label = |target: &Target| match target {
-        Target::Label { label, .. } => Some(label.clone()),
-        _ => None,
-    };
-    targets.filter_map(label).collect()
+    excepted
+        .flat_map(|i| &selection.mentions[i].targets)
+        .filter_map(|target| match target {
+            Target::Label { label, .. } => Some(label.clone()),
+            _ => None,
+        })
+        .collect()
 }
 
 /// `units 2 and 3 have theirs already`: places of one level with `and` between them.
 fn is_joined(reading: &Reading<'_>, a: &Mention, b: &Mention) -> bool {
     let mut gap = a.at.end..b.at.start;
-    let is_and = |at: usize| reading.class(at) == Some(Class::And);
-    a.level == b.level && !gap.is_empty() && gap.all(is_and)
+    a.level == b.level && !gap.is_empty() && gap.all(|at| reading.class(at) == Some(Class::And))
 }
 
 /// `all units of building 4 but 3 and 4`: numbers without a word for their level.
 fn bare_exceptions(reading: &Reading<'_>, from: usize) -> Vec<String> {
-    let sentence = (from..reading.lexemes.len()).take_while(|at| !reading.is_stop(*at));
-    let excepts = |at: &usize| matches!(reading.class(*at), Some(Class::Not | Class::Except));
-    let is_listed = |at: &usize| {
-        use Class::{And, Article, Link, Sign, Toward};
-        let lex = reading.lex(*at);
-        reading.is_cardinal(*at)
-            || matches!(
-                lex,
-                Some(Lex::Comma | Lex::Word(Article | And | Sign | Toward | Link, _))
-            )
-    };
-    let label = |at: usize| match reading.lex(at) {
-        Some(Lex::Number { label, .. }) => Some(label.clone()),
-        _ => None,
-    };
-    sentence
-        .skip_while(|at| !excepts(at))
+    (from..reading.lexemes.len())
+        .take_while(|at| !reading.is_stop(*at))
+        .skip_while(|at| !matches!(reading.class(*at), Some(Class::Not | Class::Except)))
         .skip(1)
-        .take_while(is_listed)
-        .filter_map(label)
+        .take_while(|at| is_in_a_list_of_numbers(reading, *at))
+        .filter_map(|at| match reading.lex(at) {
+            Some(Lex::Number { label, .. }) => Some(label.clone()),
+            _ => None,
+        })
         .collect()
+}
+
+/// Whether a lexeme may be of a list of numbers: one itself, or what parts them.
+fn is_in_a_list_of_numbers(reading: &Reading<'_>, at: usize) -> bool {
+    use Class::{And, Article, Link, Sign, Toward};
+    reading.is_cardinal(at)
+        || matches!(
+            reading.lex(at),
+            Some(Lex::Comma | Lex::Word(Article | And | Sign | Toward | Link, _))
+        )
 }

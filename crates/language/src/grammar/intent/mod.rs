@@ -21,6 +21,7 @@ pub(crate) type Intent = Rule<fn(&Reading<'_>, &mut Selection)>;
 /// What is left out or meant after all, given what the words beside each mention say. The rules
 /// apply one after the other.
 pub(crate) const INTENTS: &[Intent] = &[
+    // First what words beside a place leave out by mistake, before anything follows from that.
     Intent {
         name: "where to begin is no origin",
         examples: &[Example("从9号楼开始送，2号楼也要", "building9 building2")],
@@ -34,6 +35,7 @@ pub(crate) const INTENTS: &[Intent] = &[
         )],
         apply: orders::allow_what_is_put_in_order,
     },
+    // Then what goes with a place that is left out.
     Intent {
         name: "what is tied to a place left out is left out",
         examples: &[Example(
@@ -67,6 +69,7 @@ pub(crate) const INTENTS: &[Intent] = &[
         )],
         apply: addresses::together,
     },
+    // Then earlier mentions of what is denied now.
     Intent {
         name: "what is denied is taken back where it was named before",
         examples: &[Example(
@@ -83,6 +86,8 @@ pub(crate) const INTENTS: &[Intent] = &[
         )],
         apply: addresses::together,
     },
+    // Corrections replace only what is still meant. They deny places too, so what these take back
+    // comes once more.
     Intent {
         name: "what is corrected replaces what was named before",
         examples: &[Example(
@@ -104,6 +109,7 @@ pub(crate) const INTENTS: &[Intent] = &[
         )],
         apply: exceptions::take_back,
     },
+    // Exceptions come once it is final which units are left out.
     Intent {
         name: "an exception alone means all other units",
         examples: &[Example(
@@ -126,6 +132,7 @@ pub(crate) const INTENTS: &[Intent] = &[
         ],
         apply: exceptions::except,
     },
+    // Last what is meant for want of anything else.
     Intent {
         name: "the building of a unit is meant if no other is",
         examples: &[Example(

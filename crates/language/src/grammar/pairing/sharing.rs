@@ -23,8 +23,17 @@ impl Pairing<'_> {
 
     /// The units that belong to a building.
     fn units(&self, building: usize) -> Vec<usize> {
-        let is_own = |i: &usize| !self.is_building(*i) && self.owners[*i] == Some(building);
-        (0..self.mentions.len()).filter(is_own).collect()
+        (0..self.mentions.len())
+            .filter(|i| !self.is_building(*i) && self.owners[*i] == Some(building))
+            .collect()
+    }
+
+    fn has_units(&self, building: usize) -> bool {
+        !self.units(building).is_empty()
+    }
+
+    fn buildings(&self) -> impl Iterator<Item = usize> {
+        (0..self.mentions.len()).filter(|i| self.is_building(*i))
     }
 
     /// How many lexemes part a mention from a place.
@@ -89,7 +98,7 @@ pub(super) fn shares(rules: &[Sharing], pairing: &Pairing<'_>) -> Vec<Share> {
 fn listed(pairing: &Pairing<'_>, _: &[Share]) -> Vec<Share> {
     let mut shares: Vec<Share> = Vec::new();
     for building in (1..pairing.mentions.len()).rev() {
-        if !is_listed(pairing, building) || !pairing.units(building - 1).is_empty() {
+        if !is_listed(pairing, building) || pairing.has_units(building - 1) {
             continue;
         }
         let shared = shares.iter().find(|share| share.building == building);
@@ -108,14 +117,15 @@ fn listed(pairing: &Pairing<'_>, _: &[Share]) -> Vec<Share> {
 fn is_listed(pairing: &Pairing<'_>, building: usize) -> bool {
     let mentions = pairing.mentions;
     let mut gap = mentions[building - 1].at.end..mentions[building].at.start;
-    let is_list = |at: usize| {
-        matches!(
-            pairing.reading.lex(at),
-            Some(Lex::Comma | Lex::Word(Class::And, _))
-        )
-    };
     let are_buildings = pairing.is_building(building) && pairing.is_building(building - 1);
-    are_buildings && !gap.is_empty() && gap.all(is_list)
+    are_buildings
+        && !gap.is_empty()
+        && gap.all(|at| {
+            matches!(
+                pairing.reading.lex(at),
+                Some(Lex::Comma | Lex::Word(Class::And, _))
+            )
+        })
 }
 
 /// Whether units, all behind their building, are those of all buildings listed with it.
@@ -128,6 +138,7 @@ fn are_dealt_out(pairing: &Pairing<'_>, building: usize, units: &[usize]) -> boo
     let are_behind = units
         .iter()
         .all(|unit| pairing.mentions[*unit].at.start >= at.end);
+    // Languages that put the number first list buildings and give their unit once.
     let is_number_first = at.clone().any(|at| {
         use Class::{Building, WeakBuilding};
         matches!(
@@ -136,53 +147,58 @@ fn are_dealt_out(pairing: &Pairing<'_>, building: usize, units: &[usize]) -> boo
         )
     });
     let unit = &pairing.mentions[*first].at;
-    let beside = at.end.min(unit.start)..reading.lexemes.len().min(unit.end + 2);
-    let deals = |at: usize| matches!(reading.class(at), Some(Class::Each | Class::Respectively));
-    are_behind && (is_number_first || beside.into_iter().any(deals))
+    // `unit 3 each` and `unit 3 of each` have the word one or two lexemes behind the unit.
+    let mut beside = at.end.min(unit.start)..reading.lexemes.len().min(unit.end + 2);
+    let are_dealt =
+        beside.any(|at| matches!(reading.class(at), Some(Class::Each | Class::Respectively)));
+    are_behind && (is_number_first || are_dealt)
 }
 
 /// `one bag to building 3, one to building 5, always unit 2`
 fn said_of_all(pairing: &Pairing<'_>, found: &[Share]) -> Vec<Share> {
-    let is_said_of_all = |unit: &usize| !pairing.is_building(*unit) && is_shared(pairing, *unit);
-    let Some(unit) = (0..pairing.mentions.len()).find(is_said_of_all) else {
+    let shared = (0..pairing.mentions.len())
+        .find(|unit| !pairing.is_building(*unit) && is_shared(pairing, *unit));
+    let Some(unit) = shared else {
         return Vec::new();
     };
-    let is_bare = |b: &usize| {
-        let has_share = found.iter().any(|share| share.building == *b);
-        pairing.is_building(*b) && !has_share && pairing.units(*b).is_empty()
-    };
-    let share = |building| Share {
-        building,
-        units: vec![unit],
-    };
-    (0..unit).filter(is_bare).map(share).collect()
+    pairing
+        .buildings()
+        .filter(|building| *building < unit && !pairing.has_units(*building))
+        .filter(|building| found.iter().all(|share| share.building != *building))
+        .map(|building| Share {
+            building,
+            units: vec![unit],
+        })
+        .collect()
 }
 
 /// Whether `always` or the like stands before a unit.
 fn is_shared(pairing: &Pairing<'_>, unit: usize) -> bool {
     let reading = pairing.reading;
-    let is_passed = |at: &usize| matches!(reading.class(*at), Some(Class::Link | Class::Article));
     let before = (0..pairing.mentions[unit].at.start)
         .rev()
-        .find(|at| !is_passed(at));
+        .find(|at| !matches!(reading.class(*at), Some(Class::Link | Class::Article)));
     before.is_some_and(|at| reading.class(at) == Some(Class::Shared))
 }
 
 /// `unit 2 in building 7 and the same unit in building 8`
 fn of_the_same_number(pairing: &Pairing<'_>, _: &[Share]) -> Vec<Share> {
-    let buildings = || (0..pairing.mentions.len()).filter(|i| pairing.is_building(*i));
-    let has_units = |b: &usize| !pairing.units(*b).is_empty();
-    let is_same = |at: &usize| pairing.reading.class(*at) == Some(Class::SameUnit);
     let mut shares = Vec::new();
-    for at in (0..pairing.reading.lexemes.len()).filter(is_same) {
-        let distance = |b: &usize| pairing.distance(*b, at);
-        let bare = buildings().filter(|b| !has_units(b)).min_by_key(distance);
-        let Some(bare) = bare.filter(|b| distance(b) <= SAME_BESIDE) else {
+    for at in 0..pairing.reading.lexemes.len() {
+        if pairing.reading.class(at) != Some(Class::SameUnit) {
+            continue;
+        }
+        let bare = pairing
+            .buildings()
+            .filter(|building| !pairing.has_units(*building))
+            .min_by_key(|building| pairing.distance(*building, at));
+        let Some(bare) = bare.filter(|bare| pairing.distance(*bare, at) <= SAME_BESIDE) else {
             continue;
         };
-        let other = buildings()
-            .filter(has_units)
-            .min_by_key(|b| b.abs_diff(bare));
+        let other = pairing
+            .buildings()
+            .filter(|building| pairing.has_units(*building))
+            .min_by_key(|building| building.abs_diff(bare));
         shares.extend(other.map(|other| Share {
             building: bare,
             units: pairing.units(other),

@@ -26,13 +26,18 @@ pub(crate) fn constraints(
     doors: &[Door],
 ) -> Vec<Precedes> {
     let end = reading.lexemes.len();
-    let is_swap = |at: &usize| reading.class(*at) == Some(Class::Swap);
-    let corrects = |at: &usize| matches!(reading.class(*at), Some(Class::Correct | Class::Swap));
+    let correction = (0..end)
+        .rev()
+        .find(|at| matches!(reading.class(*at), Some(Class::Correct | Class::Swap)));
+    let swap = (0..end)
+        .rev()
+        .find(|at| reading.class(*at) == Some(Class::Swap));
     let mut found = Vec::new();
-    if let Some(correction) = (0..end).rev().find(corrects) {
+    if let Some(correction) = correction {
         found.extend(within(rules, reading, doors, correction..end));
     }
-    if let Some(swap) = (0..end).rev().find(is_swap) {
+    // `the other way round` turns what was said before it.
+    if let Some(swap) = swap {
         let before = within(rules, reading, doors, 0..swap);
         found.extend(before.into_iter().map(Precedes::turned));
     }
@@ -70,8 +75,9 @@ fn within(
 
 /// `in this order`: the doors of a part, one after the other.
 fn as_named(doors: &[Door], lexemes: &Range<usize>) -> Vec<Precedes> {
-    let is_here = |i: &usize| lexemes.contains(&doors[*i].first);
-    let here: Vec<usize> = (0..doors.len()).filter(is_here).collect();
+    let here: Vec<usize> = (0..doors.len())
+        .filter(|i| lexemes.contains(&doors[*i].first))
+        .collect();
     here.windows(2)
         .map(|pair| Precedes {
             earlier: pair[0],

@@ -1,5 +1,7 @@
 //! Words that order stops, rule by rule.
 
+use std::ops::Range;
+
 use super::part::Part;
 use crate::grammar::negated_order::is_order_after_not;
 use crate::grammar::reading::Reading;
@@ -11,7 +13,8 @@ use crate::wish::Precedes;
 /// A rule of [`ORDERINGS`]: what the word at a place says of the doors.
 pub(crate) type Ordering = Rule<fn(&Part<'_>, usize) -> Vec<Precedes>>;
 
-/// What words that order stops say of doors. No two rules speak of one word.
+/// What words that order stops say of doors. No two rules speak of one word, so their order in this
+/// list has no effect.
 pub(crate) const ORDERINGS: &[Ordering] = &[
     Ordering {
         name: "`first` puts the nearest door before all others",
@@ -139,11 +142,12 @@ fn afterwards(part: &Part<'_>, at: usize) -> Vec<Precedes> {
         return Vec::new();
     }
     let begin = part.sentence(at).start;
-    let count = part.doors.len();
-    let is_here = |i: &usize| part.doors[*i].first >= begin && part.doors[*i].last <= at;
     let mut found = Vec::new();
-    for later in (0..count).filter(is_here) {
-        let before = (0..count).filter(|i| part.doors[*i].last <= begin);
+    for (later, door) in part.doors.iter().enumerate() {
+        if door.first < begin || door.last > at {
+            continue;
+        }
+        let before = (0..part.doors.len()).filter(|i| part.doors[*i].last <= begin);
         found.extend(before.map(|earlier| Precedes { earlier, later }));
     }
     found
@@ -217,12 +221,11 @@ fn is_for_a_door(part: &Part<'_>, at: usize) -> bool {
     let Some(door) = part.door_behind(at) else {
         return false;
     };
-    let is_passed = |at: usize| {
+    (at + 1..part.doors[door].first).all(|at| {
         use Class::{Article, Filler, First, Link, Toward, Verb};
         let class = part.reading.class(at);
         matches!(class, Some(Article | Link | Toward | Filler | Verb | First))
-    };
-    (at + 1..part.doors[door].first).all(is_passed)
+    })
 }
 
 /// `A. Before that, B`
@@ -248,9 +251,9 @@ fn onward(part: &Part<'_>, at: usize) -> Vec<Precedes> {
         return Vec::new();
     };
     let gap = part.doors[from].last..to.first;
-    let has = |class: Class| gap.clone().any(|at| reading.class(at) == Some(class));
-    let is_parted = part.has_stop(gap.clone()) || has(Class::And);
-    if has(Class::Verb) && has(Class::Toward) && !is_parted {
+    let is_parted = part.has_stop(gap.clone()) || has_word(reading, &gap, Class::And);
+    let has_verb = has_word(reading, &gap, Class::Verb);
+    if has_verb && has_word(reading, &gap, Class::Toward) && !is_parted {
         vec![Precedes {
             earlier: from,
             later: from + 1,
@@ -258,6 +261,10 @@ fn onward(part: &Part<'_>, at: usize) -> Vec<Precedes> {
     } else {
         Vec::new()
     }
+}
+
+fn has_word(reading: &Reading<'_>, range: &Range<usize>, class: Class) -> bool {
+    range.clone().any(|at| reading.class(at) == Some(class))
 }
 
 /// `first`, not `the first box` and not the label of a door.
@@ -272,15 +279,16 @@ fn is_adverb(part: &Part<'_>, at: usize) -> bool {
         .doors
         .iter()
         .any(|door| door.first <= at && at < door.last);
-    let describes = {
-        use Class::{Building, Floor, Item, Room, Unit};
-        let lex = reading.lex(at + 1);
-        matches!(
-            lex,
-            Some(Lex::Unknown | Lex::Word(Item | Building | Unit | Room | Floor, _))
-        )
-    };
-    !is_described && !is_label && !describes
+    !is_described && !is_label && !is_thing_or_level(reading, at + 1)
+}
+
+/// Whether a word stands at a place that an adjective before it describes.
+fn is_thing_or_level(reading: &Reading<'_>, at: usize) -> bool {
+    use Class::{Building, Floor, Item, Room, Unit};
+    matches!(
+        reading.lex(at),
+        Some(Lex::Unknown | Lex::Word(Item | Building | Unit | Room | Floor, _))
+    )
 }
 
 /// The door that a word for `first` at a place is of comes before all others.
@@ -288,20 +296,22 @@ fn first(part: &Part<'_>, at: usize) -> Vec<Precedes> {
     let reading = part.reading;
     let before = part.door_before(at);
     let after = part.door_behind(at);
-    let is_filler = |at: usize| reading.class(at) == Some(Class::Filler);
-    let beside = before.filter(|i| (part.doors[*i].last..at).all(is_filler));
-    let is_in_sentence = |i: &usize| !part.has_stop(part.doors[*i].last..at);
-    // `3号楼优先，5号楼…`
-    let ends = matches!(reading.lex(at + 1), None | Some(Lex::Comma | Lex::Stop));
-    let behind = before.filter(|i| ends && is_in_sentence(i));
-    // `building 6 has to get theirs first; building 1 …`
-    let is_last_of_sentence = after.is_none_or(|after| part.has_stop(at..part.doors[after].first));
-    let before_in_sentence = before.filter(|i| is_in_sentence(i) && is_last_of_sentence);
-    let door = beside
-        .or(behind)
-        .or(before_in_sentence)
-        .or(after)
-        .or(before);
+    let is_of_before = before.is_some_and(|before| {
+        let is_beside =
+            (part.doors[before].last..at).all(|at| reading.class(at) == Some(Class::Filler));
+        // `3号楼优先，5号楼…`
+        let ends = matches!(reading.lex(at + 1), None | Some(Lex::Comma | Lex::Stop));
+        // `building 6 has to get theirs first; building 1 …`
+        let is_last_of_sentence =
+            after.is_none_or(|after| part.has_stop(at..part.doors[after].first));
+        let is_in_sentence = !part.has_stop(part.doors[before].last..at);
+        is_beside || is_in_sentence && (ends || is_last_of_sentence)
+    });
+    let door = if is_of_before {
+        before
+    } else {
+        after.or(before)
+    };
     door.map_or_else(Vec::new, |door| part.first(door))
 }
 
@@ -325,9 +335,7 @@ fn put_earlier(part: &Part<'_>, at: usize) -> Vec<Precedes> {
         return Vec::new();
     };
     if begins_a_clause(part.reading, at) {
-        let is_of_it =
-            |i: &usize| part.doors[*i].first > at && !part.has_stop(at..part.doors[*i].first);
-        let behind: Vec<usize> = (0..part.doors.len()).filter(is_of_it).collect();
+        let behind: Vec<usize> = part.doors_behind_in_sentence(at).collect();
         if !behind.is_empty() {
             return behind
                 .into_iter()
@@ -349,8 +357,10 @@ fn put_earlier(part: &Part<'_>, at: usize) -> Vec<Precedes> {
 
 /// Whether a place begins a clause, but for words without weight: `…, but before that …`.
 fn begins_a_clause(reading: &Reading<'_>, at: usize) -> bool {
-    let is_filler = |at: &usize| reading.class(*at) == Some(Class::Filler);
-    let fillers = (0..at).rev().take_while(is_filler).count();
+    let fillers = (0..at)
+        .rev()
+        .take_while(|at| reading.class(*at) == Some(Class::Filler))
+        .count();
     let Some(before) = (at - fillers).checked_sub(1) else {
         return true;
     };
@@ -366,13 +376,8 @@ fn around(part: &Part<'_>, at: usize, postfix: bool) -> Option<Precedes> {
     if is_of_a_time(part, at, postfix) || is_of_something_else(part, at) {
         return None;
     }
-    let is_near_before =
-        |i: &usize| part.doors[*i].last <= at && !part.has_stop(part.doors[*i].last..at);
-    let is_near_behind =
-        |i: &usize| part.doors[*i].first > at && !part.has_stop(at..part.doors[*i].first);
-    let count = part.doors.len();
-    let before = (0..count).rev().find(is_near_before);
-    let mut behind = (0..count).filter(is_near_behind);
+    let before = part.door_before_in_sentence(at);
+    let mut behind = part.doors_behind_in_sentence(at);
     let Some(next) = behind.next() else {
         return with_the_one_before(part, at, postfix, before?);
     };
@@ -396,9 +401,8 @@ fn around(part: &Part<'_>, at: usize, postfix: bool) -> Option<Precedes> {
 /// `before 6 pm`, `9号楼6点之前`, but `前に12号棟`
 fn is_of_a_time(part: &Part<'_>, at: usize, postfix: bool) -> bool {
     let reading = part.reading;
-    let is_article = |at: &usize| reading.class(*at) == Some(Class::Article);
     let articles = (at + 1..reading.lexemes.len())
-        .take_while(is_article)
+        .take_while(|at| reading.class(*at) == Some(Class::Article))
         .count();
     let behind = reading.lex(at + 1 + articles);
     let has_number = matches!(behind, Some(Lex::Number { .. } | Lex::Quantity));
@@ -410,12 +414,6 @@ fn is_of_a_time(part: &Part<'_>, at: usize, postfix: bool) -> bool {
 /// `before lunch, and …`, but `after leaving the box at building 3`
 fn is_of_something_else(part: &Part<'_>, at: usize) -> bool {
     let reading = part.reading;
-    let parts = |at: usize| {
-        matches!(
-            reading.lex(at),
-            Some(Lex::Comma | Lex::Stop | Lex::Word(Class::And, _))
-        )
-    };
     let doors = part.doors.iter().map(|door| door.first);
     let next = doors
         .filter(|first| *first > at)
@@ -423,7 +421,14 @@ fn is_of_something_else(part: &Part<'_>, at: usize) -> bool {
         .unwrap_or(reading.lexemes.len());
     !is_before_a_door(part, at)
         && reading.lex(at + 1) == Some(&Lex::Unknown)
-        && (at..next).any(parts)
+        && (at..next).any(|at| parts_a_clause(reading, at))
+}
+
+fn parts_a_clause(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(
+        reading.lex(at),
+        Some(Lex::Comma | Lex::Stop | Lex::Word(Class::And, _))
+    )
 }
 
 /// Whether a door begins right behind a place.

@@ -28,6 +28,21 @@ impl Part<'_> {
         self.doors.iter().position(|door| door.first > at)
     }
 
+    /// The last door that ends before a place in the same sentence.
+    pub(super) fn door_before_in_sentence(&self, at: usize) -> Option<usize> {
+        self.doors
+            .iter()
+            .rposition(|door| door.last <= at && !self.has_stop(door.last..at))
+    }
+
+    /// The doors that begin behind a place in the same sentence.
+    pub(super) fn doors_behind_in_sentence(&self, at: usize) -> impl Iterator<Item = usize> {
+        (0..self.doors.len()).filter(move |i| {
+            let first = self.doors[*i].first;
+            first > at && !self.has_stop(at..first)
+        })
+    }
+
     /// Whether a sentence ends in a range.
     pub(super) fn has_stop(&self, mut range: Range<usize>) -> bool {
         range.any(|at| self.reading.is_stop(at))
@@ -35,10 +50,10 @@ impl Part<'_> {
 
     /// The lexemes of the sentence around a place.
     pub(super) fn sentence(&self, at: usize) -> Range<usize> {
-        let is_stop = |at: &usize| self.reading.is_stop(*at);
-        let end = self.reading.lexemes.len();
-        let begin = (0..at).rev().find(is_stop).map_or(0, |stop| stop + 1);
-        begin..(at..end).find(is_stop).unwrap_or(end)
+        let reading = self.reading;
+        let stop_before = (0..at).rev().find(|at| reading.is_stop(*at));
+        let stop_behind = (at..reading.lexemes.len()).find(|at| reading.is_stop(*at));
+        stop_before.map_or(0, |stop| stop + 1)..stop_behind.unwrap_or(reading.lexemes.len())
     }
 
     /// Whether a `then` or `last` ends its sentence and so is of a door before it: `building 3
@@ -51,8 +66,9 @@ impl Part<'_> {
         let ends = matches!(reading.lex(at), Some(Lex::Word(_, true))) && is_before_comma;
         // `Haus 5 kommt als Letztes dran, vorher …`, but `and finally, building 5`
         let is_last = reading.class(at) == Some(Class::Finally) && !is_before_comma;
-        let is_comma = |at: &usize| is_last && reading.lex(*at) == Some(&Lex::Comma);
-        let end = (at..end).find(is_comma).unwrap_or(end);
+        let end = (at..end)
+            .find(|at| is_last && reading.lex(*at) == Some(&Lex::Comma))
+            .unwrap_or(end);
         let has_door_behind = self
             .doors
             .iter()

@@ -207,6 +207,8 @@ fn index(word: &str, count: usize) -> Result<usize, ObjError> {
 
 #[cfg(test)]
 mod tests {
+    use openbench_core::with_causes;
+
     use super::*;
 
     const SQUARE: &str =
@@ -237,9 +239,8 @@ mod tests {
     #[test]
     fn a_mesh_of_too_many_triangles_is_refused_while_it_is_read() {
         let corners = " 1 2".repeat(MAX_TRIANGLES / 2 + 2);
-        let error = read(Path::new("a.obj"), &format!("{SQUARE}f{corners}\n"))
-            .unwrap_err()
-            .to_string();
+        let error = read(Path::new("a.obj"), &format!("{SQUARE}f{corners}\n")).unwrap_err();
+        let error = with_causes(&error);
         assert!(
             error.starts_with("a.obj:9:1: ") && error.contains("5000000 triangles"),
             "{error}"
