@@ -17,7 +17,7 @@ use crate::feasible::{clearance, conflict_before_stop};
 use crate::kinematics::Motion;
 use crate::limits::Limits;
 use crate::local::{
-    Blocked, Entry, LocalPlanner, PathPoint, PlannerSettings, Progress, Situation, ahead,
+    Blocked, LocalPlanner, PathPoint, PlannerEntry, Progress, Situation, ahead, planner_entry,
 };
 use crate::near_cells::each_cell_near;
 use crate::shape::{Footprint, Obstacle, ShapeError};
@@ -72,10 +72,10 @@ const TOLERANCE_RAD: f64 = 0.08;
 const HOLD_S: f64 = 0.1;
 
 /// Its entry among the local planners.
-pub fn entry() -> Entry {
-    let description = "Model Predictive Path Integral control";
-    Entry::new("mppi", description, |settings: &PlannerSettings| {
-        Mppi::new(&settings.robot, settings.seed)
+pub fn entry() -> PlannerEntry {
+    let about = "Model Predictive Path Integral control";
+    planner_entry("mppi", about, |settings| {
+        Ok(Box::new(Mppi::new(&settings.robot, settings.seed)?))
     })
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use openbench_core::RobotDescription;
 use openbench_motion::follower::{self, Tolerance};
 use openbench_motion::local::built_in::built_in;
-use openbench_motion::local::{LocalPlanners, PlannerError, PlannerSettings};
+use openbench_motion::local::{LocalPlanners, PlannerError, PlannerSettings, make_planner};
 use openbench_motion::navigator::{Cause, NavigatorError};
 use serde::{Serialize, Serializer};
 
@@ -33,28 +33,28 @@ const FOLLOWER: Tolerance = Tolerance {
 
 /// The planners that are compared by default.
 pub fn planners() -> LocalPlanners {
-    built_in().with(follower::entry_with(FOLLOWER))
+    built_in().with_entry(follower::entry_with(FOLLOWER))
 }
 
 /// A planner that is compared, ordered as listed and serialized as its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PlannerKind {
     place: usize,
-    name: &'static str,
+    name: String,
 }
 
 impl PlannerKind {
     /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        self.name
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     fn all(planners: &LocalPlanners) -> Vec<Self> {
-        let entries = planners.entries().iter().enumerate();
+        let entries = planners.entries().enumerate();
         entries
             .map(|(place, entry)| Self {
                 place,
-                name: entry.name(),
+                name: entry.name.clone(),
             })
             .collect()
     }
@@ -62,7 +62,7 @@ impl PlannerKind {
 
 impl Serialize for PlannerKind {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name)
+        serializer.serialize_str(&self.name)
     }
 }
 
@@ -268,8 +268,10 @@ fn outcome(
     let kinds = PlannerKind::all(request.planners)
         .into_iter()
         .zip(request.planners.entries());
-    let drives =
-        kinds.map(|(kind, entry)| Ok((kind, drive(&scene, robot, entry.make(&settings)?)?)));
+    let drives = kinds.map(|(kind, entry)| {
+        let planner = make_planner(entry, &settings)?;
+        Ok((kind, drive(&scene, robot, planner)?))
+    });
     let drives = drives.collect::<Result<Vec<_>, TrialError>>()?;
     let best = match known {
         Possible::Motion(_, seconds) => Some(fastest(seconds, &drives, |d| {
@@ -304,16 +306,16 @@ fn fastest(
 }
 
 fn summary(seed: u64, planners: &[PlannerKind], outcomes: &[Outcome]) -> Trial {
-    let rows = |kind: Option<Kind>, planner: PlannerKind| {
+    let rows = |kind: Option<Kind>, planner: &PlannerKind| {
         let of_kind = outcomes.iter().filter(|o| kind.is_none_or(|k| k == o.kind));
         row(of_kind.flat_map(|o| {
             o.drives
                 .iter()
-                .filter(|d| d.0 == planner)
+                .filter(|d| d.0 == *planner)
                 .map(|d| (o.best, &d.1))
         }))
     };
-    let kinds = |planner| {
+    let kinds = |planner: &PlannerKind| {
         Kind::ALL
             .into_iter()
             .map(|kind| (kind, rows(Some(kind), planner)))
@@ -323,8 +325,11 @@ fn summary(seed: u64, planners: &[PlannerKind], outcomes: &[Outcome]) -> Trial {
         seed,
         scenes: outcomes.iter().filter(|o| !o.drives.is_empty()).count(),
         undecided: outcomes.iter().map(|o| o.undecided).sum(),
-        planners: planners.iter().map(|&p| (p, rows(None, p))).collect(),
-        kinds: planners.iter().map(|&p| (p, kinds(p))).collect(),
+        planners: planners
+            .iter()
+            .map(|p| (p.clone(), rows(None, p)))
+            .collect(),
+        kinds: planners.iter().map(|p| (p.clone(), kinds(p))).collect(),
         failures: outcomes.iter().flat_map(failures).collect(),
     }
 }
@@ -375,7 +380,7 @@ fn failures(outcome: &Outcome) -> Vec<Failure> {
     let wrong = outcome.drives.iter().filter_map(|(planner, drive)| {
         let what = failure(outcome.best, drive)?;
         Some(Failure {
-            planner: *planner,
+            planner: planner.clone(),
             scene: outcome.number,
             kind: outcome.kind,
             what,
@@ -507,7 +512,7 @@ mod tests {
             driven(End::Timeout, 1.0),
             touched,
         ];
-        let drives = drives.map(|drive| (PlannerKind::all(&planners())[0], drive));
+        let drives = drives.map(|drive| (PlannerKind::all(&planners())[0].clone(), drive));
         let best = |found, saved| fastest(found, &drives, |d| Some(d.seconds - saved));
         assert_eq!(
             (best(10.0, 0.0), best(8.0, 0.0), best(8.0, 1.5)),
