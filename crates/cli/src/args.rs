@@ -74,14 +74,3 @@ pub enum Command {
     /// Measure parts: speed, planners, localization, deliveries in towns
     Bench(BenchArgs),
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_command_line_is_consistent() {
-        use clap::CommandFactory;
-        Args::command().debug_assert();
-    }
-}

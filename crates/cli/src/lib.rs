@@ -1,7 +1,8 @@
 //! The command line: parse, build the parts that were asked for, call, print.
 //!
-//! To add an agent, plate reader, localizer or local planner, write a binary that passes it to
-//! [`main_with`] in [`Extensions`]: every command then knows it beside the built-in ones.
+//! To add an agent, plate reader, localizer, source of fixes or local planner, write a binary that
+//! passes it to [`main_with`] in [`Extensions`]: every command then knows it beside the built-in
+//! ones.
 //!
 //! | module | its one job |
 //! |---|---|
@@ -9,6 +10,7 @@
 //! | [`commands`] | one file a command |
 //! | [`datasets`] | published data: manifests and download |
 //! | [`extensions`] | [`Extensions`]: agents and parts from outside |
+//! | `help` | help texts that list agents and parts |
 //! | `open_agent` | OPEN as an agent of the benchmark |
 //! | [`outcome`] | exit codes, in one place |
 
@@ -16,15 +18,17 @@ pub mod args;
 pub mod commands;
 pub mod datasets;
 pub mod extensions;
+mod help;
 mod open_agent;
 pub mod outcome;
 mod progress;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::FromArgMatches as _;
 
-pub use extensions::Extensions;
+pub use extensions::{ExtensionError, Extensions};
+pub use openbench_agents::open::parts::{Fixes, FixesPart, LocalizerPart, PartError};
 pub use openbench_bench::run::registry::AgentError;
 pub use openbench_bench::{AgentFactory, AgentRequest};
 
@@ -40,11 +44,13 @@ pub fn main_with(extensions: Extensions) -> ExitCode {
         .with_env_filter(filter)
         .without_time()
         .init();
-    let args = match Args::try_parse() {
+    let matches = help::command(&extensions).try_get_matches();
+    let args = match matches.and_then(|matches| Args::from_arg_matches(&matches)) {
         Ok(args) => args,
         Err(error) => return outcome::usage(&error),
     };
-    outcome::exit(dispatch(args.command, &extensions))
+    let checked = extensions.checked().map_err(anyhow::Error::from);
+    outcome::exit(checked.and_then(|()| dispatch(args.command, &extensions)))
 }
 
 fn dispatch(command: Command, extensions: &Extensions) -> anyhow::Result<Outcome> {

@@ -2,15 +2,58 @@
 //! settings ask for that by name.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use openbench_agents::Open;
-use openbench_agents::open::parts::{LocalizerPart, MakeFixes, PartError};
+use openbench_agents::open::parts::{FixesPart, LocalizerPart, MakeFixes, PartError};
 use openbench_agents::open::{Catalogue, Models, Settings};
 use openbench_bench::run::registry::{AgentError, AgentSettings};
-use openbench_bench::{AgentFactory, AgentRequest, FixNoise, SimulatedFixes, TruthLocalizer};
+use openbench_bench::{
+    AgentFactory, AgentRequest, FixNoise, SimulatedFixes, TruthHandle, TruthLocalizer,
+};
 use openbench_core::Agent;
 use openbench_models::{ModelSpec, ModelStore, PullEvent};
+use openbench_vision::readers::model_files;
+
+/// The name of the agent.
+pub const NAME: &str = "open";
+/// The localizer that returns the true pose.
+const TRUE_POSE: &str = "truth";
+/// The source of fixes with errors of known size.
+const DISTURBED_TRUTH: &str = "disturbed-truth";
+
+/// A name that keeps its meaning, because results contain it.
+pub struct Reserved {
+    /// What kind of part it names.
+    pub kind: &'static str,
+    /// The name.
+    pub name: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+/// The names that extensions cannot replace.
+pub const RESERVED: [Reserved; 4] = [
+    Reserved {
+        kind: "agent",
+        name: NAME,
+        meaning: "the baseline agent",
+    },
+    Reserved {
+        kind: "localizer",
+        name: TRUE_POSE,
+        meaning: "the true pose",
+    },
+    Reserved {
+        kind: "source of fixes",
+        name: DISTURBED_TRUTH,
+        meaning: "the true pose with errors of known size",
+    },
+    Reserved {
+        kind: "source of fixes",
+        name: openbench_agents::open::settings::NO_FIXES,
+        meaning: "no fixes",
+    },
+];
 
 /// Makes OPEN of the parts in a catalogue.
 pub struct OpenFactory {
@@ -28,9 +71,16 @@ impl AgentFactory for OpenFactory {
     fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
         let settings = Settings::parse(request.settings)?;
         let mut models = Models::new(settings.budget, request.exchanges.clone());
-        let catalogue = with_truth(self.catalogue.clone(), request);
+        let catalogue = with_truth(self.catalogue.clone(), &request.truth, request.seed);
         let parts = catalogue.assemble(&settings, &mut models, request.memory.cloned())?;
         Ok(Box::new(Open::new(parts)))
+    }
+
+    fn check(&self, settings: &AgentSettings) -> Result<(), AgentError> {
+        let settings = Settings::parse(settings)?;
+        // Only names are looked up, so an empty handle will do.
+        let catalogue = with_truth(self.catalogue.clone(), &TruthHandle::default(), 0);
+        Ok(catalogue.check(&settings)?)
     }
 
     fn prepare(
@@ -39,7 +89,7 @@ impl AgentFactory for OpenFactory {
         observer: &mut dyn FnMut(PullEvent),
     ) -> Result<(), AgentError> {
         let settings = Settings::parse(settings)?;
-        for files in self.catalogue.readers.model_files(&settings.reader) {
+        for files in model_files(&self.catalogue.readers, &settings.reader) {
             ModelStore::from_environment()?.download(files, observer)?;
         }
         Ok(())
@@ -51,6 +101,16 @@ impl AgentFactory for OpenFactory {
             .flat_map(|value| self.catalogue.readers.split(value));
         words.filter_map(recording).collect()
     }
+
+    fn uses_truth(&self, settings: &AgentSettings) -> bool {
+        names(settings, "localizer", TRUE_POSE) || names(settings, "fixes", DISTURBED_TRUTH)
+    }
+}
+
+/// Whether a setting names a part, with or without an argument.
+fn names(settings: &AgentSettings, key: &str, part: &str) -> bool {
+    let value = settings.get(key);
+    value.is_some_and(|value| value.split(':').next() == Some(part))
 }
 
 /// The recording that a model spec names.
@@ -62,27 +122,25 @@ fn recording(word: &str) -> Option<PathBuf> {
 }
 
 /// The catalogue with the parts that know the truth: yardsticks, which the results name.
-fn with_truth(mut catalogue: Catalogue, request: &AgentRequest<'_>) -> Catalogue {
-    let truth = request.truth.clone();
+fn with_truth(mut catalogue: Catalogue, truth: &TruthHandle, seed: u64) -> Catalogue {
+    let handle = truth.clone();
     catalogue.localizers = catalogue.localizers.with(
-        "truth",
+        TRUE_POSE,
         "the true pose",
-        LocalizerPart::WithoutFixes(Arc::new(move |_| {
-            Box::new(TruthLocalizer::new(truth.clone()))
-        })),
+        LocalizerPart::without_fixes(move |_| Box::new(TruthLocalizer::new(handle.clone()))),
     );
-    let (truth, seed) = (request.truth.clone(), request.seed);
-    let read = move |argument: &str| -> Result<MakeFixes, PartError> {
+    let handle = truth.clone();
+    let read = move |argument: &str| -> Result<Box<MakeFixes>, PartError> {
         let noise = fix_noise(argument)?;
-        let truth = truth.clone();
+        let truth = handle.clone();
         Ok(Box::new(move |_| {
             vec![Box::new(SimulatedFixes::new(truth.clone(), noise, seed))]
         }))
     };
     catalogue.fixes = catalogue.fixes.with(
-        "disturbed-truth",
+        &format!("{DISTURBED_TRUTH}:NOISE,SHARE,FAR"),
         "fixes with errors of known size",
-        Arc::new(read),
+        FixesPart::with_argument(read),
     );
     catalogue
 }
@@ -92,5 +150,48 @@ fn fix_noise(argument: &str) -> Result<FixNoise, PartError> {
         Ok(FixNoise::default())
     } else {
         Ok(argument.parse()?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings(words: &[(&str, &str)]) -> AgentSettings {
+        words
+            .iter()
+            .map(|(key, word)| ((*key).to_owned(), (*word).to_owned()))
+            .collect()
+    }
+
+    #[test]
+    fn the_truth_is_used_only_where_a_setting_names_it() {
+        let open = OpenFactory::new(Catalogue::default());
+        let uses = |words: &[(&str, &str)]| open.uses_truth(&settings(words));
+        assert!(uses(&[("localizer", "truth")]));
+        assert!(uses(&[("fixes", "disturbed-truth")]));
+        assert!(uses(&[("fixes", "disturbed-truth:1,0,1")]));
+        assert!(!uses(&[]));
+        assert!(!uses(&[
+            ("localizer", "fused"),
+            ("fixes", "gnss"),
+            ("planner", "truth")
+        ]));
+        assert!(!uses(&[("localizer", "truthful")]));
+    }
+
+    #[test]
+    fn names_of_parts_are_checked_before_a_run() {
+        let open = OpenFactory::new(Catalogue::default());
+        let refused = |key: &str, value: &str| open.check(&settings(&[(key, value)])).is_err();
+        assert!(refused("colour", "red"));
+        assert!(refused("planner", "oracle"));
+        assert!(refused("reader", "eyes"));
+        assert!(refused("localizer", "stars"));
+        assert!(refused("fixes", "stars"));
+        assert!(refused("fixes", "disturbed-truth:1,7,9"));
+        assert!(refused("motion", "nothing"));
+        assert!(!refused("localizer", "truth"));
+        assert!(!refused("fixes", "disturbed-truth:1,0,1"));
     }
 }

@@ -168,10 +168,13 @@ fn values_of_settings_that_mean_nothing_are_refused() {
         "localizer=stars",
         "fixes=stars",
         "fixes=disturbed-truth:1,7,9",
+        "motion=nothing",
     ] {
         // The last `reader` counts, so that no model file is asked for.
         let words = format!("--deliveries one.txt --set reader={NOBODY} --set {setting}");
         deliver(&place, &words).refused_with(&[setting]);
+        // No folder of results, and above all no log that was begun.
+        assert!(!place.path("runs").exists(), "{setting}");
     }
 }
 

@@ -107,6 +107,12 @@ fn planners_and_numbers_of_scenes_that_make_no_sense_are_refused() {
         .openbench("bench motion --planner dwa")
         .refused_with(&["dwa", "teb, follower, mppi"]);
     Place::new()
+        .openbench("bench people small --planner dwa")
+        .refused_with(&["dwa", "teb, follower, mppi"]);
+    Place::new()
+        .openbench("bench health small --localizer stars")
+        .refused_with(&["stars", "fused, lidar-inertial, dead-reckoning"]);
+    Place::new()
         .openbench("bench motion --scenes 0")
         .refused_with(&["0"]);
 }

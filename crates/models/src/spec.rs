@@ -35,6 +35,46 @@ use crate::provider::Provider;
 /// The default endpoint of Ollama.
 const OLLAMA: &str = "http://127.0.0.1:11434/v1";
 
+/// A form of the names of chat models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Form {
+    /// The form, with what stands for the argument after the colon: `replay:FILE`.
+    pub name: &'static str,
+    /// What it means, in one line.
+    pub about: &'static str,
+}
+
+impl Form {
+    const fn new(name: &'static str, about: &'static str) -> Self {
+        Self { name, about }
+    }
+
+    /// The name of a model of this form, which [`ModelSpec::parse`] reads.
+    ///
+    /// ```
+    /// use openbench_models::spec::FORMS;
+    ///
+    /// assert_eq!(FORMS[0].spec("gpt-4o"), "openai:gpt-4o");
+    /// ```
+    pub fn spec(&self, argument: &str) -> String {
+        let word = self.name.split(':').next().unwrap_or_default();
+        format!("{word}:{argument}")
+    }
+}
+
+/// All forms, in the order in which they are listed.
+pub const FORMS: [Form; 6] = [
+    Form::new(
+        "openai:MODEL[@URL]",
+        "a model of any OpenAI-compatible endpoint",
+    ),
+    Form::new("anthropic:MODEL", "a model of Anthropic"),
+    Form::new("gemini:MODEL", "a model of Google"),
+    Form::new("ollama:MODEL", "a model of Ollama, on this machine"),
+    Form::new("local:NAME", "a model in this process"),
+    Form::new("replay:FILE", "the recorded answers in a file"),
+];
+
 /// A chat model as a user names it.
 ///
 /// ```
@@ -154,6 +194,14 @@ mod tests {
             ("local:a:b", ModelSpec::Local("a:b".into())),
         ] {
             assert_eq!(ModelSpec::parse(text).unwrap(), spec);
+        }
+    }
+
+    #[test]
+    fn names_of_the_listed_forms_are_read() {
+        for form in FORMS {
+            let spec = form.spec("m");
+            assert!(ModelSpec::parse(&spec).is_ok(), "{spec}");
         }
     }
 

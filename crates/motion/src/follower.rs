@@ -5,7 +5,9 @@ use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity, frames::wrap_a
 
 use crate::checks::SettingsError;
 use crate::limits::Limits;
-use crate::local::{Blocked, Entry, LocalPlanner, PlannerSettings, Progress, Situation, ahead};
+use crate::local::{
+    Blocked, LocalPlanner, PlannerEntry, Progress, Situation, ahead, planner_entry,
+};
 use crate::shape::{Footprint, Obstacle, ShapeError};
 
 /// Distance along the path to the point that is steered for, metres.
@@ -37,20 +39,17 @@ const AWAY_M: f64 = 0.005;
 const SLOWER: [f64; 2] = [0.6, 0.3];
 
 /// Its entry among the local planners.
-pub fn entry() -> Entry {
+pub fn entry() -> PlannerEntry {
     entry_with(Tolerance::default())
 }
 
 /// Its entry with another tolerance.
-pub fn entry_with(tolerance: Tolerance) -> Entry {
-    let description = "Pure pursuit that stops before obstacles";
-    Entry::new(
-        "follower",
-        description,
-        move |settings: &PlannerSettings| {
-            Follower::new(settings.robot.clone()).map(|follower| follower.with_tolerance(tolerance))
-        },
-    )
+pub fn entry_with(tolerance: Tolerance) -> PlannerEntry {
+    let about = "Pure pursuit that stops before obstacles";
+    planner_entry("follower", about, move |settings| {
+        let follower = Follower::new(settings.robot.clone())?;
+        Ok(Box::new(follower.with_tolerance(tolerance)))
+    })
 }
 
 /// A follower cannot be made.

@@ -17,7 +17,7 @@ use crate::feasible::{ConflictCheck, clearance};
 use crate::kinematics::Motion;
 use crate::limits::Limits;
 use crate::local::{
-    Blocked, Entry, LocalPlanner, PathPoint, PlannerSettings, Progress, Situation, ahead,
+    Blocked, LocalPlanner, PathPoint, PlannerEntry, Progress, Situation, ahead, planner_entry,
 };
 use crate::near_cells::each_cell_near;
 use crate::shape::{Footprint, Obstacle, ShapeError, moving, standing};
@@ -72,10 +72,10 @@ const TOLERANCE_RAD: f64 = 0.08;
 const HOLD_S: f64 = 0.1;
 
 /// Its entry among the local planners.
-pub(crate) fn entry() -> Entry {
+pub(crate) fn entry() -> PlannerEntry {
     let description = "Model Predictive Path Integral control";
-    Entry::new("mppi", description, |settings: &PlannerSettings| {
-        Mppi::new(&settings.robot, settings.seed)
+    planner_entry("mppi", description, |settings| {
+        Ok(Box::new(Mppi::new(&settings.robot, settings.seed)?))
     })
 }
 

@@ -6,6 +6,7 @@ use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 use openbench_motion::feasible::clearance;
 use openbench_motion::local::built_in::built_in;
+use openbench_motion::local::make_planner;
 use openbench_motion::{
     Blocked, Follower, Footprint, Limits, LocalPlanner, Motion, Mppi, Navigator, Obstacle,
     PlannerSettings, Progress, Situation, Teb, TebSettings, Vector2,
@@ -15,10 +16,11 @@ use proptest::prelude::*;
 /// A new planner of each kind, from the same settings each time.
 fn planners() -> impl Iterator<Item = Box<dyn LocalPlanner>> {
     let settings = PlannerSettings::new(RobotDescription::sentry()).with_seed(7);
-    let entries = built_in().entries().to_vec();
-    entries
-        .into_iter()
-        .map(move |entry| entry.make(&settings).unwrap())
+    let planners: Vec<_> = built_in()
+        .entries()
+        .map(|entry| make_planner(entry, &settings).unwrap())
+        .collect();
+    planners.into_iter()
 }
 
 /// Seconds between two calls.

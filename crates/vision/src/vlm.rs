@@ -9,11 +9,13 @@ use std::io::Cursor;
 
 use image::{ImageFormat, RgbImage};
 use openbench_core::Image;
-use openbench_models::{ChatModel, ChatRequest, Message, ModelSpec, Schema};
+use openbench_core::registry::Entry;
+use openbench_models::spec::{FORMS, Form};
+use openbench_models::{ChatModel, ChatRequest, Message, Schema};
 use serde_json::{Value, json};
 
-use crate::entry::{ReaderContext, ReaderEntry};
 use crate::error::{AnswerError, ReaderError};
+use crate::part::{ReaderContext, ReaderPart};
 use crate::reader::{PlateReader, PlateReading, check_image, sort_readings};
 
 /// Maximum number of plates that are read from one answer.
@@ -77,15 +79,18 @@ impl<M: ChatModel> PlateReader for VlmReader<M> {
     }
 }
 
-/// The registration of vision-language models, each by the name of the model.
-pub fn entry() -> ReaderEntry {
-    let make = |text: &str, context: &mut ReaderContext<'_>| {
-        let model = (context.open_model)(text)?;
-        Ok(Box::new(VlmReader::new(model)) as _)
-    };
-    let description = "a vision-language model: openai:MODEL@URL and the like";
-    ReaderEntry::new("PROVIDER:MODEL", description, make)
-        .accepting(|text| ModelSpec::parse(text).is_ok())
+/// The registrations of vision-language models, one for each form of their names.
+pub fn entries() -> impl Iterator<Item = Entry<ReaderPart>> {
+    FORMS
+        .iter()
+        .map(|form| Entry::new(form.name, form.about, part(form)))
+}
+
+fn part(form: &'static Form) -> ReaderPart {
+    ReaderPart::new(|argument, context: &mut ReaderContext<'_>| {
+        let model = (context.open_model)(&form.spec(argument))?;
+        Ok(Box::new(VlmReader::new(model)))
+    })
 }
 
 /// The schema of an answer.

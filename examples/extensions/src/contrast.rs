@@ -1,18 +1,23 @@
 //! A plate reader: PP-OCR on an image whose contrast is stretched, for plates in shadow.
 
-use std::error::Error;
-
+use openbench::PartError;
 use openbench_core::Image;
 use openbench_models::ModelStore;
-use openbench_vision::{PlateReader, PlateReading, PpOcr, ReaderError};
+use openbench_vision::{PlateReader, PlateReading, PpOcr, ReaderContext, ReaderError, ReaderPart};
 
 /// Share of the darkest pixels that become black, and of the brightest that become white.
 const CLIPPED: f64 = 0.01;
 
-/// The reader by its name: `--set reader=contrast`. `openbench models pull ppocr-v4` downloads its
-/// networks.
-pub fn make() -> Result<Box<dyn PlateReader>, Box<dyn Error + Send + Sync>> {
-    let store = ModelStore::from_environment()?;
+/// The reader by its name: `--set reader=contrast`. Its networks are downloaded before a run.
+pub fn part() -> ReaderPart {
+    ReaderPart::new(|_, context: &mut ReaderContext<'_>| make(context)).needing_files("ppocr-v4")
+}
+
+fn make(context: &mut ReaderContext<'_>) -> Result<Box<dyn PlateReader>, PartError> {
+    let store = match &context.store {
+        Some(store) => store.clone(),
+        None => ModelStore::from_environment()?,
+    };
     Ok(Box::new(Contrast {
         reader: PpOcr::from_store(&store)?,
     }))

@@ -5,11 +5,10 @@
 //! clearance and speed is driven (equation 13 of the paper, with the distance to a point ahead on
 //! the path instead of the heading towards the goal).
 
-use std::convert::Infallible;
-
+use openbench::PartError;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity};
-use openbench_motion::local::{Entry, ahead};
+use openbench_motion::local::ahead;
 use openbench_motion::{Blocked, LocalPlanner, PlannerSettings, Progress, Situation};
 
 /// Duration of a cycle, seconds.
@@ -37,16 +36,10 @@ const CLEARANCE_WEIGHT: f64 = 0.2;
 const SPEED_WEIGHT: f64 = 0.1;
 
 /// The planner by its name: `--set motion=dynamic-window`.
-pub fn entry() -> Entry {
-    Entry::new(
-        "dynamic-window",
-        "Dynamic Window Approach",
-        |settings: &PlannerSettings| {
-            Ok::<_, Infallible>(DynamicWindow {
-                robot: settings.robot.clone(),
-            })
-        },
-    )
+pub fn make(settings: &PlannerSettings) -> Result<Box<dyn LocalPlanner>, PartError> {
+    Ok(Box::new(DynamicWindow {
+        robot: settings.robot.clone(),
+    }))
 }
 
 /// Chooses among the velocities that can be reached.

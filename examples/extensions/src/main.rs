@@ -19,8 +19,12 @@ use openbench::Extensions;
 fn main() -> ExitCode {
     let extensions = Extensions::new()
         .with_agent("beeline", "drives straight", beeline::make)
-        .with_reader("contrast", "PP-OCR, stretched contrast", contrast::make)
-        .with_local_planner(dynamic_window::entry())
+        .with_reader_part("contrast", "PP-OCR, stretched contrast", contrast::part())
+        .with_local_planner(
+            "dynamic-window",
+            "Dynamic Window Approach",
+            dynamic_window::make,
+        )
         .with_localizer("wheels", "wheels alone", wheels::make);
     openbench::main_with(extensions)
 }

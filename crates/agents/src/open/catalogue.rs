@@ -1,20 +1,20 @@
 //! The parts that OPEN can be made of, by name. A new part is one file and one line here; a part
 //! from elsewhere is added to a [`Catalogue`] from outside.
 
-use std::sync::Arc;
-
-use openbench_core::{Registry, UnknownName};
+use openbench_core::{Registry, RobotDescription, UnknownName};
 use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::fixes::Gnss;
 use openbench_localization::{DeadReckoning, Fused, LidarInertial};
+use openbench_models::ModelSpec;
 use openbench_motion::local::built_in::built_in;
-use openbench_motion::local::{Entry, LocalPlanners};
+use openbench_motion::local::{LocalPlanners, PlannerEntry};
 use openbench_motion::teb;
 use openbench_osm::OsmData;
-use openbench_vision::{PlateReader, ReaderContext, ReaderRegistry};
+use openbench_vision::readers::{self, Readers};
+use openbench_vision::{PlateReader, ReaderContext};
 
 use super::models::Models;
-use super::parts::{LocalizerPart, MakeFixes, MakeLocalizer, PartError, Parts, ReadFixes};
+use super::parts::{Fixes, FixesPart, LocalizerPart, MakeFixes, MakeLocalizer, PartError, Parts};
 use super::settings::{self, Settings, SettingsError};
 
 /// The parts that OPEN can be made of.
@@ -22,11 +22,11 @@ use super::settings::{self, Settings, SettingsError};
 #[non_exhaustive]
 pub struct Catalogue {
     /// Plate readers.
-    pub readers: ReaderRegistry,
+    pub readers: Readers,
     /// Localizers.
     pub localizers: Registry<LocalizerPart>,
     /// Sources of fixes: where the robot is in `map`.
-    pub fixes: Registry<Arc<ReadFixes>>,
+    pub fixes: Registry<FixesPart>,
     /// Local planners.
     pub local_planners: LocalPlanners,
 }
@@ -34,7 +34,7 @@ pub struct Catalogue {
 impl Default for Catalogue {
     fn default() -> Self {
         Self {
-            readers: ReaderRegistry::default(),
+            readers: readers::built_in(),
             localizers: localizers(),
             fixes: fixes(),
             local_planners: local_planners(),
@@ -43,63 +43,39 @@ impl Default for Catalogue {
 }
 
 fn localizers() -> Registry<LocalizerPart> {
-    use LocalizerPart::{WithFixes, WithoutFixes};
     Registry::new("localizer")
         .with(
             "fused",
             "LiDAR-inertial odometry and fixes in a pose graph",
-            WithFixes(Arc::new(|robot, fixes| {
-                Box::new(Fused::new(robot.clone(), fixes))
-            })),
+            LocalizerPart::with_fixes(|robot, fixes| Box::new(Fused::new(robot.clone(), fixes))),
         )
         .with(
             "lidar-inertial",
             "LiDAR-inertial odometry alone",
-            WithoutFixes(Arc::new(|robot| {
-                Box::new(LidarInertial::new(robot.clone()))
-            })),
+            LocalizerPart::without_fixes(|robot| Box::new(LidarInertial::new(robot.clone()))),
         )
         .with(
             "dead-reckoning",
             "wheel odometry and gyroscope",
-            WithoutFixes(Arc::new(|robot| {
-                Box::new(DeadReckoning::new(robot.clone()))
-            })),
+            LocalizerPart::without_fixes(|robot| Box::new(DeadReckoning::new(robot.clone()))),
         )
 }
 
-fn fixes() -> Registry<Arc<ReadFixes>> {
-    let sources: Registry<Arc<ReadFixes>> = Registry::new("source of fixes");
-    sources
-        .with("gnss", "a satellite receiver", Arc::new(gnss))
-        .with("none", "no fixes", Arc::new(no_fixes))
+fn fixes() -> Registry<FixesPart> {
+    Registry::new("source of fixes")
+        .with("gnss", "a satellite receiver", FixesPart::new(gnss))
+        .with("none", "no fixes", FixesPart::new(|_| Vec::new()))
 }
 
 /// The local planners of `openbench_motion`, with OPEN's settings.
 fn local_planners() -> LocalPlanners {
-    built_in().with(teb::entry_with(settings::teb()))
+    built_in().with_entry(teb::entry_with(settings::teb()))
 }
 
 /// A robot without a receiver gets no fixes from it.
-fn gnss(argument: &str) -> Result<MakeFixes, PartError> {
-    refuse_argument(argument)?;
-    Ok(Box::new(|robot| {
-        let antenna = robot.gnss.unwrap_or_default();
-        vec![Box::new(Gnss::new(antenna.translation.vector.xy()))]
-    }))
-}
-
-fn no_fixes(argument: &str) -> Result<MakeFixes, PartError> {
-    refuse_argument(argument)?;
-    Ok(Box::new(|_| Vec::new()))
-}
-
-fn refuse_argument(argument: &str) -> Result<(), PartError> {
-    if argument.is_empty() {
-        Ok(())
-    } else {
-        Err("it takes no argument after a colon".into())
-    }
+fn gnss(robot: &RobotDescription) -> Fixes {
+    let antenna = robot.gnss.unwrap_or_default();
+    vec![Box::new(Gnss::new(antenna.translation.vector.xy()))]
 }
 
 impl Catalogue {
@@ -116,13 +92,31 @@ impl Catalogue {
         Ok(Parts {
             planner: self.planner(&settings.planner, models)?,
             reader: self.reader(&settings.reader, models)?,
-            localizer: self.localizer(settings)?,
+            localizer: self.localizer(&settings.localizer, settings.fixes.as_deref())?,
             motion: self.local_planner(&settings.motion)?,
             ground: settings.ground,
             memory,
             meter: models.meter(),
             thinks_in_simulated_time: settings.thinks_in_simulated_time,
         })
+    }
+
+    /// Whether all parts that settings name exist. Nothing is opened, loaded or downloaded.
+    ///
+    /// # Errors
+    /// [`SettingsError`] with the key whose value names no part, or an argument that is refused.
+    pub fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
+        if settings.planner != settings::GRAMMAR {
+            let spec = ModelSpec::parse(&settings.planner);
+            spec.map_err(|error| planner_error(&settings.planner, error))?;
+        }
+        for name in self.readers.split(&settings.reader) {
+            let found = self.readers.find(name);
+            found.map_err(|source| unknown_part("reader", &settings.reader, source))?;
+        }
+        let _ = self.localizer(&settings.localizer, settings.fixes.as_deref())?;
+        let _ = self.local_planner(&settings.motion)?;
+        Ok(())
     }
 
     /// The planner of instructions that a word names: `grammar`, or a chat model.
@@ -134,25 +128,23 @@ impl Catalogue {
         word: &str,
         models: &mut Models,
     ) -> Result<Box<dyn Planner>, SettingsError> {
-        if word == "grammar" {
+        if word == settings::GRAMMAR {
             return Ok(Box::new(GrammarPlanner::new()));
         }
-        let model = models.open(word).map_err(|error| SettingsError::Planner {
-            value: word.to_owned(),
-            source: error.into(),
-        })?;
+        let model = models
+            .open(word)
+            .map_err(|error| planner_error(word, error))?;
         Ok(Box::new(ChatPlanner::new(model)))
     }
 
     /// The local planner of that name.
     ///
     /// # Errors
-    /// [`SettingsError::Part`] with the names that there are.
-    pub fn local_planner(&self, name: &str) -> Result<Entry, SettingsError> {
-        let found = self.local_planners.get(name);
-        found
-            .cloned()
-            .map_err(|error| part_error("motion", name, error))
+    /// [`SettingsError::UnknownPart`] with the names that there are.
+    pub fn local_planner(&self, name: &str) -> Result<PlannerEntry, SettingsError> {
+        let found = self.local_planners.find(name);
+        let found = found.map_err(|source| unknown_part("motion", name, source))?;
+        Ok(found.entry.clone())
     }
 
     /// The plate readers that the setting `reader` lists.
@@ -163,34 +155,47 @@ impl Catalogue {
     ) -> Result<Box<dyn PlateReader>, SettingsError> {
         let mut open = |word: &str| models.open(word).map_err(PartError::from);
         let mut context = ReaderContext::new(&mut open).with_settings(settings::reading());
-        let made = self.readers.make(list, &mut context);
+        let made = readers::make(&self.readers, list, &mut context);
         made.map_err(|error| part_error("reader", list, error))
     }
 
-    fn localizer(&self, settings: &Settings) -> Result<MakeLocalizer, SettingsError> {
-        let name = &settings.localizer;
+    /// What makes the localizer of that name, with a source of fixes if one is named.
+    ///
+    /// # Errors
+    /// [`SettingsError`] if a name is not registered, the argument of the source is refused, or
+    /// the localizer takes no fixes.
+    pub fn localizer(
+        &self,
+        name: &str,
+        fixes: Option<&str>,
+    ) -> Result<Box<MakeLocalizer>, SettingsError> {
         let part = self.localizers.get(name);
-        let part = part
-            .map_err(|source| unknown_part("localizer", name, source))?
-            .clone();
-        match (part, &settings.fixes) {
+        let part = part.map_err(|source| unknown_part("localizer", name, source))?;
+        match (part.clone(), fixes) {
             (LocalizerPart::WithoutFixes(make), None) => Ok(Box::new(move |robot| make(robot))),
             (LocalizerPart::WithoutFixes(_), Some(fixes)) => Err(SettingsError::TakesNoFixes {
-                fixes: fixes.clone(),
-                localizer: name.clone(),
+                fixes: fixes.to_owned(),
+                localizer: name.to_owned(),
             }),
             (LocalizerPart::WithFixes(make), fixes) => {
-                let fixes = self.sources(fixes.as_deref().unwrap_or("none"))?;
+                let fixes = self.sources(fixes.unwrap_or(settings::NO_FIXES))?;
                 Ok(Box::new(move |robot| make(robot, fixes(robot))))
             }
         }
     }
 
-    fn sources(&self, value: &str) -> Result<MakeFixes, SettingsError> {
-        let (name, argument) = value.split_once(':').unwrap_or((value, ""));
-        let read = self.fixes.get(name);
-        let read = read.map_err(|source| unknown_part("fixes", value, source))?;
-        read(argument).map_err(|error| part_error("fixes", value, error))
+    fn sources(&self, value: &str) -> Result<Box<MakeFixes>, SettingsError> {
+        let found = self.fixes.find(value);
+        let found = found.map_err(|source| unknown_part("fixes", value, source))?;
+        let read = found.entry.part.read(found.argument);
+        read.map_err(|error| part_error("fixes", value, error))
+    }
+}
+
+fn planner_error(value: &str, source: impl Into<PartError>) -> SettingsError {
+    SettingsError::Planner {
+        value: value.to_owned(),
+        source: source.into(),
     }
 }
 
@@ -242,13 +247,8 @@ mod tests {
 
     #[test]
     fn fixes_are_refused_where_nothing_takes_them() {
-        let localizer = "dead-reckoning".to_owned();
-        let settings = Settings {
-            localizer,
-            fixes: Some("gnss".into()),
-            ..settings()
-        };
-        let Err(error) = Catalogue::default().localizer(&settings) else {
+        let catalogue = Catalogue::default();
+        let Err(error) = catalogue.localizer("dead-reckoning", Some("gnss")) else {
             panic!("accepted")
         };
         assert!(

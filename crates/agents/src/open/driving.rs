@@ -3,13 +3,12 @@
 use std::time::Duration;
 
 use openbench_core::{
-    Event, Events, FailureCause, GiveUp, MapPoint, Pose2, RobotDescription, SimTime, Velocity,
-    WheelSample,
+    Event, Events, MapPoint, Pose2, RobotDescription, SimTime, Velocity, WheelSample,
 };
 use openbench_motion::costmap::RollingWindow;
 use openbench_motion::{
-    Footprint, LocalPlanner, Navigation, Navigator, NewPoints, Obstacle, RangeRing, Surroundings,
-    Tracker,
+    Footprint, LocalPlanner, Navigation, Navigator, NavigatorError, NewPoints, Obstacle, RangeRing,
+    ShapeError, Surroundings, Tracker,
 };
 
 use crate::open::terrain::Terrain;
@@ -52,6 +51,18 @@ pub enum Driving {
     Unreachable,
 }
 
+/// A robot that cannot be driven.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DriverError {
+    /// Its footprint is not sound.
+    #[error(transparent)]
+    Footprint(#[from] ShapeError),
+    /// Its limits are not sound.
+    #[error(transparent)]
+    Navigator(#[from] NavigatorError),
+}
+
 /// Drives to one target after another.
 pub struct Driver {
     robot: RobotDescription,
@@ -75,20 +86,15 @@ impl Driver {
     /// A driver for a robot, with its terrain and local planner.
     ///
     /// # Errors
-    /// A robot without a sound footprint or limits: [`FailureCause::Briefing`].
+    /// A robot without a sound footprint or limits.
     pub fn new(
         terrain: Terrain,
         robot: RobotDescription,
         planner: Box<dyn LocalPlanner>,
-    ) -> Result<Self, GiveUp> {
-        let unfit = |why: String| GiveUp {
-            address: None,
-            cause: FailureCause::Briefing,
-            detail: why,
-        };
+    ) -> Result<Self, DriverError> {
         Ok(Self {
-            footprint: Footprint::of(&robot).map_err(|e| unfit(e.to_string()))?,
-            navigator: Navigator::new(&robot, planner).map_err(|e| unfit(e.to_string()))?,
+            footprint: Footprint::of(&robot)?,
+            navigator: Navigator::new(&robot, planner)?,
             window: RollingWindow::new(terrain.near(), terrain.near().grid().center(0)),
             robot,
             terrain,

@@ -9,9 +9,10 @@ use openbench_core::{
 };
 use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_localization::Localizer;
+use openbench_motion::local::make_planner;
 use openbench_osm::{Location, OsmData, OsmMap, locate};
 use openbench_routing::{MapRouter, Profile, Router, RouterTimes};
-use openbench_vision::PlateReader;
+use openbench_vision::{PlateReader, ReaderError};
 
 use crate::open::caution::{Caution, Measure};
 use crate::open::doorstep;
@@ -105,6 +106,11 @@ impl Next {
         Self::End(Action::GiveUp(one(task.address, cause, detail)))
     }
 
+    /// The delivery is given up, since no plate can be read.
+    fn unreadable(task: Task, error: &ReaderError) -> Self {
+        Self::give_up(task, FailureCause::ReaderUnavailable, with_causes(error))
+    }
+
     /// The parcel is put down.
     fn delivered(task: Task) -> Self {
         Self::End(Action::Delivered(task.address))
@@ -116,6 +122,20 @@ impl Next {
 struct Glance {
     time: SimTime,
     yaw: f64,
+}
+
+/// What a glance on the way finds.
+enum Glimpse {
+    /// Nothing that changes the target.
+    Nothing,
+    /// The plate of the door that the robot approaches was read otherwise meanwhile.
+    Refuted,
+    /// A door of the address.
+    Door(Sighting),
+    /// A place from which to look again at an uncertain match.
+    Uncertain(Waypoint),
+    /// The image cannot be read.
+    Unreadable(ReaderError),
 }
 
 /// All deliveries of an episode.
@@ -169,9 +189,7 @@ impl Mission {
             events,
         )?;
         let robot = briefing.robot.clone();
-        let motion = parts
-            .motion
-            .make(&settings::planning(&robot))
+        let motion = make_planner(&parts.motion, &settings::planning(&robot))
             .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let terrain = Terrain::new(
             memory.map().clone(),
@@ -181,11 +199,13 @@ impl Mission {
             parts.ground,
         )
         .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
+        let driver = Driver::new(terrain, robot.clone(), motion)
+            .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let mut localizer = (parts.localizer)(&robot);
         localizer.reset(briefing.start);
         Ok(Self {
             perception: Perception::new(robot.clone()),
-            driver: Driver::new(terrain, robot.clone(), motion)?,
+            driver,
             reader: parts.reader,
             task: None,
             seen: Vec::new(),
@@ -352,24 +372,39 @@ impl Mission {
 
     fn pursue(
         &mut self,
-        task: Task,
+        mut task: Task,
         observation: &Observation<'_>,
         events: &mut dyn Events,
     ) -> Next {
         match task.stage {
             Stage::Look(since) => {
-                let task = Task {
-                    looked: true,
-                    ..task
-                };
+                task.looked = true;
                 self.look(task, since, observation, events)
             }
             Stage::Travel | Stage::ToWaypoint | Stage::Approach(_) => {
-                match self.glance(task, observation, events) {
-                    Ok(task) => self.drive(task, observation.time, events),
-                    Err(next) => next,
-                }
+                let glimpse = self.glance(&mut task, observation, events);
+                self.after_glance(task, glimpse, observation, events)
             }
+        }
+    }
+
+    /// Drives on, unless something was seen on the way that changes the target.
+    fn after_glance(
+        &mut self,
+        mut task: Task,
+        glimpse: Glimpse,
+        observation: &Observation<'_>,
+        events: &mut dyn Events,
+    ) -> Next {
+        match glimpse {
+            Glimpse::Nothing => self.drive(task, observation.time, events),
+            Glimpse::Refuted => self.next_waypoint(task, events),
+            Glimpse::Door(door) => {
+                task.doorstep = doorstep::NEAREST_M;
+                self.approach(task, door)
+            }
+            Glimpse::Uncertain(view) => self.look_from(task, view),
+            Glimpse::Unreadable(error) => Next::unreadable(task, &error),
         }
     }
 
@@ -593,5 +628,53 @@ fn cause_of(error: &PlanError) -> FailureCause {
     match error {
         PlanError::NotUnderstood { .. } => FailureCause::NotUnderstood,
         _ => FailureCause::PlannerUnavailable,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use openbench_core::{Georeference, LonLat};
+    use openbench_models::ChatError;
+
+    use super::*;
+
+    /// One house of some 6 m x 6 m.
+    const MAP: &str = r#"<osm version="0.6">
+      <node id="1" lat="50.0" lon="8.0"/><node id="2" lat="50.0" lon="8.00008"/>
+      <node id="3" lat="50.00005" lon="8.00008"/><node id="4" lat="50.00005" lon="8.0"/>
+      <way id="5"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
+        <tag k="building" v="yes"/><tag k="name" v="building1"/></way></osm>"#;
+
+    fn house() -> OsmMap {
+        let data = OsmData::from_bytes(MAP.as_bytes()).unwrap();
+        let georeference = Georeference::tangent_plane(LonLat::new(8.0, 50.0));
+        OsmMap::new(&data, georeference)
+    }
+
+    #[test]
+    fn a_mapped_door_hangs_on_the_nearest_wall_and_faces_away_from_it() {
+        let address = Address::new("building1", "unit1");
+        let south = MapPoint::new(3.0, -0.4);
+        let door = mapped_door(&house(), 0, &address, south);
+        assert!(door.position.distance(MapPoint::new(3.0, 0.0)) < 0.01);
+        assert!((door.facing + std::f64::consts::FRAC_PI_2).abs() < 0.01);
+        assert_eq!((door.unit.as_str(), door.confidence), ("unit1", 1.0));
+    }
+
+    #[test]
+    fn a_planner_that_does_not_answer_is_not_the_instructions_fault() {
+        let unclear = PlanError::NotUnderstood {
+            instruction: "Hello".into(),
+            hint: "name a building".into(),
+        };
+        assert_eq!(cause_of(&unclear), FailureCause::NotUnderstood);
+        let silent = PlanError::ModelUnavailable {
+            model: "m".into(),
+            source: ChatError::Timeout {
+                endpoint: "e".into(),
+                seconds: 1,
+            },
+        };
+        assert_eq!(cause_of(&silent), FailureCause::PlannerUnavailable);
     }
 }

@@ -7,6 +7,7 @@
 //! | [`settings`] | [`Settings`]: what can be set, defaults, the constants of the tuning |
 //! | [`parts`] | what can be exchanged: planner, reader, localizer, local planner |
 //! | [`catalogue`] | [`Catalogue`]: the parts that there are, by name |
+//! | [`choices`] | [`Choices`]: the values that each setting takes, for help texts |
 //! | [`models`] | [`Models`]: the language and vision models of a mission |
 //! | [`mission`] | deliveries one after another, and the stages of each |
 //! | [`caution`] | what the robot does when its pose cannot be trusted |
@@ -21,6 +22,7 @@
 
 pub mod catalogue;
 pub mod caution;
+pub mod choices;
 pub mod doorstep;
 pub mod driving;
 pub mod exploration;
@@ -38,6 +40,7 @@ use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Obse
 
 use crate::Border;
 pub use catalogue::Catalogue;
+pub use choices::Choices;
 use mission::Mission;
 pub use models::{Models, ModelsError};
 pub use parts::Parts;

@@ -105,3 +105,50 @@ fn name_of(spec: &ModelSpec, replay: &Replay) -> String {
         ModelSpec::Replay(_) => replay.name().to_owned(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn models(exchanges: Exchanges) -> Models {
+        Models::new(Budget::default(), exchanges)
+    }
+
+    #[test]
+    fn models_are_recorded_under_the_name_that_they_report() {
+        let replay = Replay::from_reader(&b""[..]).unwrap();
+        let name = |word: &str| name_of(&ModelSpec::parse(word).unwrap(), &replay);
+        assert_eq!(
+            name("openai:qwen2.5-vl@https://llm.example/v1"),
+            "qwen2.5-vl"
+        );
+        assert_eq!(name("local:folder/mine.gguf"), "mine");
+        assert_eq!(name("replay:answers.jsonl"), replay.name());
+    }
+
+    #[test]
+    fn a_word_that_names_no_model_is_refused() {
+        let error = models(Exchanges::Unkept).open("oracle").err().unwrap();
+        assert!(matches!(error, ModelsError::Spec(_)), "{error}");
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_written_or_read_is_named() {
+        let nowhere = || PathBuf::from("/nonexistent/models.jsonl");
+        let model = "openai:m@http://127.0.0.1:1/v1";
+        let kept = models(Exchanges::Keep(nowhere()))
+            .open(model)
+            .err()
+            .unwrap();
+        assert!(matches!(kept, ModelsError::Record { .. }), "{kept}");
+        assert!(
+            kept.to_string().contains("/nonexistent/models.jsonl"),
+            "{kept}"
+        );
+        let repeated = models(Exchanges::Repeat(nowhere()))
+            .open(model)
+            .err()
+            .unwrap();
+        assert!(matches!(repeated, ModelsError::Replay(_)), "{repeated}");
+    }
+}

@@ -8,36 +8,79 @@ use openbench_language::Planner;
 use openbench_localization::{FixSource, Localizer};
 use openbench_models::Meter;
 use openbench_motion::costmap::Preferences;
-use openbench_motion::local::Entry;
+use openbench_motion::local::PlannerEntry;
 use openbench_osm::OsmData;
 use openbench_vision::PlateReader;
 
 /// Why a part cannot be made.
 pub type PartError = Box<dyn Error + Send + Sync>;
-/// Reads the argument of a source of fixes: what follows the colon in `fixes=NAME:ARGUMENT`, else
-/// nothing.
-pub type ReadFixes = dyn Fn(&str) -> Result<MakeFixes, PartError> + Send + Sync;
-/// Makes sources of fixes for a robot.
-pub type MakeFixes = Box<dyn Fn(&RobotDescription) -> Vec<Box<dyn FixSource>>>;
 /// The sources of fixes of a localizer.
 pub type Fixes = Vec<Box<dyn FixSource>>;
 
-/// Makes a localizer of a robot, without fixes.
-pub type MakeOdometry = dyn Fn(&RobotDescription) -> Box<dyn Localizer> + Send + Sync;
-/// Makes a localizer of a robot, with fixes.
+/// Makes the sources of fixes of a robot.
+pub type MakeFixes = dyn Fn(&RobotDescription) -> Fixes + Send + Sync;
+/// Reads the argument of a source of fixes: what follows the colon in `fixes=NAME:ARGUMENT`, else
+/// nothing.
+pub type ReadFixes = dyn Fn(&str) -> Result<Box<MakeFixes>, PartError> + Send + Sync;
+/// Makes the localizer of a robot.
+pub type MakeLocalizer = dyn Fn(&RobotDescription) -> Box<dyn Localizer> + Send + Sync;
+/// Makes the localizer of a robot, with fixes.
 pub type MakeFused = dyn Fn(&RobotDescription, Fixes) -> Box<dyn Localizer> + Send + Sync;
 
 /// A registered localizer.
 #[derive(Clone)]
 pub enum LocalizerPart {
     /// Takes no fixes.
-    WithoutFixes(Arc<MakeOdometry>),
+    WithoutFixes(Arc<MakeLocalizer>),
     /// Takes fixes.
     WithFixes(Arc<MakeFused>),
 }
 
-/// Makes the localizer of a robot.
-pub type MakeLocalizer = Box<dyn FnOnce(&RobotDescription) -> Box<dyn Localizer>>;
+impl LocalizerPart {
+    /// A localizer that takes no fixes.
+    pub fn without_fixes(
+        make: impl Fn(&RobotDescription) -> Box<dyn Localizer> + Send + Sync + 'static,
+    ) -> Self {
+        Self::WithoutFixes(Arc::new(make))
+    }
+
+    /// A localizer that takes fixes.
+    pub fn with_fixes(
+        make: impl Fn(&RobotDescription, Fixes) -> Box<dyn Localizer> + Send + Sync + 'static,
+    ) -> Self {
+        Self::WithFixes(Arc::new(make))
+    }
+}
+
+/// A registered source of fixes.
+#[derive(Clone)]
+pub struct FixesPart(Arc<ReadFixes>);
+
+impl FixesPart {
+    /// A source that takes no argument.
+    pub fn new(make: impl Fn(&RobotDescription) -> Fixes + Send + Sync + 'static) -> Self {
+        let make = Arc::new(make);
+        Self::with_argument(move |_| {
+            let make = make.clone();
+            Ok(Box::new(move |robot| make(robot)))
+        })
+    }
+
+    /// A source that takes an argument. It is read, and refused, before a robot is known.
+    pub fn with_argument(
+        read: impl Fn(&str) -> Result<Box<MakeFixes>, PartError> + Send + Sync + 'static,
+    ) -> Self {
+        Self(Arc::new(read))
+    }
+
+    /// What makes the source with this argument.
+    ///
+    /// # Errors
+    /// Why the argument is refused.
+    pub fn read(&self, argument: &str) -> Result<Box<MakeFixes>, PartError> {
+        (self.0)(argument)
+    }
+}
 
 /// The exchangeable parts of OPEN. Those that depend on the robot are made when the briefing
 /// describes it.
@@ -47,9 +90,9 @@ pub struct Parts {
     /// Reads plates.
     pub reader: Box<dyn PlateReader>,
     /// Makes what estimates the robot's pose.
-    pub localizer: MakeLocalizer,
+    pub localizer: Box<MakeLocalizer>,
     /// Makes what turns paths into velocities.
-    pub motion: Entry,
+    pub motion: PlannerEntry,
     /// Which ground is preferred to other.
     pub ground: Preferences,
     /// Doors found in earlier runs, if any are to be remembered.

@@ -12,7 +12,7 @@ use openbench_motion::{PlannerSettings, TebSettings};
 use openbench_vision::ReaderSettings;
 
 /// The keys of [`Settings`].
-const KEYS: [&str; 8] = [
+pub(super) const KEYS: [&str; 8] = [
     "planner",
     "reader",
     "localizer",
@@ -22,8 +22,12 @@ const KEYS: [&str; 8] = [
     "budget",
     "thinking",
 ];
+/// The planner that needs no model.
+pub const GRAMMAR: &str = "grammar";
 /// The plate reader by default.
 pub const DEFAULT_READER: &str = "ppocr-v4";
+/// The source of fixes by default.
+pub const NO_FIXES: &str = "none";
 
 /// What OPEN is made of. Each field is a key of `--set`.
 ///
@@ -65,7 +69,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            planner: "grammar".into(),
+            planner: GRAMMAR.into(),
             reader: DEFAULT_READER.into(),
             localizer: "fused".into(),
             fixes: None,

@@ -1,10 +1,10 @@
 //! All episodes of a suite, on several threads; the results do not depend on their number.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
+use openbench_core::Agent;
 use openbench_models::Exchanges;
 
 use crate::BenchError;
@@ -13,7 +13,7 @@ use crate::run::folder::{create_folder, exchanges_path, log_path, write_files};
 use crate::run::output::{MachineTimes, RunOutput};
 use crate::run::recorder::Recorder;
 use crate::run::recording::Recording;
-use crate::run::registry::AgentRequest;
+use crate::run::registry::{AgentFactory, AgentRequest, AgentSettings};
 use crate::run::request::RunRequest;
 use crate::run::rollout::Rollout;
 use crate::run::threads;
@@ -67,6 +67,11 @@ fn episode_seed(seed: u64, number: usize) -> u64 {
 }
 
 fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, BenchError> {
+    let exchanges = request.out.map_or(Exchanges::Unkept, |out| {
+        Exchanges::Keep(exchanges_path(out, number))
+    });
+    // Before the log is begun, so that an agent that cannot be made leaves none behind.
+    let made = make(request, number, exchanges)?;
     let mut recorder = match request.out {
         Some(out) => Recorder::create(
             &log_path(out, number),
@@ -75,10 +80,7 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
         )?,
         None => Recorder::none(),
     };
-    let exchanges = request.out.map_or(Exchanges::Unkept, |out| {
-        Exchanges::Keep(exchanges_path(out, number))
-    });
-    let trace = drive(request, number, exchanges, &mut recorder)?;
+    let trace = drive(request, number, made, &mut recorder)?;
     recorder.finish()?;
     if let Some(out) = request.out {
         Recording::of(&trace, episode_seed(request.seed, number)).write(out, number)?;
@@ -101,49 +103,56 @@ pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
 fn repeat_one(request: &RunRequest<'_>, run: &Path, number: usize) -> Result<(), BenchError> {
     let recording = Recording::read(run, number)?;
     let exchanges = Exchanges::Repeat(exchanges_path(run, number));
-    let trace = drive(request, number, exchanges, &mut Recorder::none())?;
+    let made = make(request, number, exchanges)?;
+    let trace = drive(request, number, made, &mut Recorder::none())?;
     let repeated = Recording::of(&trace, episode_seed(request.seed, number));
     recording.compare(number, &repeated)
+}
+
+/// An agent for an episode.
+struct Made {
+    agent: Box<dyn Agent>,
+    /// What the simulator writes the true pose to.
+    truth: TruthHandle,
+}
+
+fn make(request: &RunRequest<'_>, number: usize, exchanges: Exchanges) -> Result<Made, BenchError> {
+    let truth = TruthHandle::default();
+    let agent_request = AgentRequest {
+        truth: requested_truth(request.factory, request.settings, &truth),
+        memory: request.memory,
+        settings: request.settings,
+        seed: episode_seed(request.seed, number),
+        exchanges,
+    };
+    let made = request.factory.make(&agent_request);
+    let agent = made.map_err(|source| BenchError::Agent {
+        name: request.agent.to_owned(),
+        source,
+    })?;
+    Ok(Made { agent, truth })
 }
 
 fn drive(
     request: &RunRequest<'_>,
     number: usize,
-    exchanges: Exchanges,
+    made: Made,
     recorder: &mut Recorder,
 ) -> Result<EpisodeTrace, BenchError> {
-    let seed = episode_seed(request.seed, number);
-    let truth = TruthHandle::default();
-    let agent_request = AgentRequest {
-        truth: requested_truth(request.settings, &truth),
-        memory: request.memory,
-        settings: request.settings,
-        seed,
-        exchanges,
-    };
-    let mut agent = request
-        .factory
-        .make(&agent_request)
-        .map_err(|source| BenchError::Agent {
-            name: request.agent.to_owned(),
-            source,
-        })?;
-    let rollout = Rollout::new(request.prepared, number, seed)?
+    let Made { mut agent, truth } = made;
+    let rollout = Rollout::new(request.prepared, number, episode_seed(request.seed, number))?
         .with_observer(truth)
         .with_observer(recorder);
     run_episode(rollout, agent.as_mut())
 }
 
-/// The handle of the true pose if the settings request it by name; otherwise an empty handle.
-///
-/// The settings are part of the results, so every use of the truth is visible there.
-fn requested_truth(settings: &BTreeMap<String, String>, truth: &TruthHandle) -> TruthHandle {
-    let is_set = |key: &str, word: &str| {
-        settings
-            .get(key)
-            .is_some_and(|value| value.split(':').next() == Some(word))
-    };
-    if is_set("localizer", "truth") || is_set("fixes", "disturbed-truth") {
+/// The handle of the true pose if the agent uses it; otherwise an empty handle.
+fn requested_truth(
+    factory: &dyn AgentFactory,
+    settings: &AgentSettings,
+    truth: &TruthHandle,
+) -> TruthHandle {
+    if factory.uses_truth(settings) {
         truth.clone()
     } else {
         TruthHandle::default()
@@ -152,28 +161,34 @@ fn requested_truth(settings: &BTreeMap<String, String>, truth: &TruthHandle) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use openbench_core::{Pose2, SimTime};
 
+    use super::*;
+    use crate::run::registry::AgentError;
+
+    /// Uses the truth where `pose=true`.
+    struct Cheat;
+
+    impl AgentFactory for Cheat {
+        fn make(&self, _: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
+            Err("not needed here".into())
+        }
+
+        fn uses_truth(&self, settings: &AgentSettings) -> bool {
+            settings.get("pose").is_some_and(|value| value == "true")
+        }
+    }
+
     #[test]
-    fn the_true_pose_is_available_only_if_a_setting_requests_it() {
+    fn the_true_pose_is_available_only_to_agents_that_use_it() {
         let truth = TruthHandle::default();
         truth.set(SimTime::ZERO, Pose2::new(5.0, 6.0, 0.0));
-        let is_available = |settings: &[(&str, &str)]| {
-            let settings = settings
-                .iter()
-                .map(|(key, word)| ((*key).to_owned(), (*word).to_owned()))
-                .collect();
-            requested_truth(&settings, &truth).at(SimTime::ZERO) == Pose2::new(5.0, 6.0, 0.0)
+        let is_available = |value: &str| {
+            let settings = AgentSettings::from([("pose".to_owned(), value.to_owned())]);
+            let handle = requested_truth(&Cheat, &settings, &truth);
+            handle.at(SimTime::ZERO) == Pose2::new(5.0, 6.0, 0.0)
         };
-        assert!(is_available(&[("localizer", "truth")]));
-        assert!(is_available(&[("fixes", "disturbed-truth:1,0,1")]));
-        assert!(!is_available(&[]));
-        assert!(!is_available(&[
-            ("localizer", "fused"),
-            ("fixes", "gnss"),
-            ("planner", "truth")
-        ]));
-        assert!(!is_available(&[("localizer", "truthful")]));
+        assert!(is_available("true"));
+        assert!(!is_available("estimated"));
     }
 }

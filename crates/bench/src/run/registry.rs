@@ -19,7 +19,7 @@ pub type AgentError = Box<dyn Error + Send + Sync>;
 #[derive(Debug, Clone)]
 pub struct AgentRequest<'a> {
     /// The true pose, for a reference localizer only, never for the agent itself. It is empty
-    /// unless a setting requests it.
+    /// unless [`AgentFactory::uses_truth`].
     pub truth: TruthHandle,
     /// A map with the doors found in earlier runs.
     pub memory: Option<&'a OsmData>,
@@ -39,11 +39,21 @@ pub trait AgentFactory: Send + Sync {
     /// An error that names the setting with an unknown or invalid value.
     fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError>;
 
-    /// Checks the settings and downloads the files that they need; called once before a run.
-    /// `observer` receives the progress of downloads.
+    /// Checks keys, values and names of parts, without opening or downloading anything; called
+    /// before a world is loaded.
     ///
     /// # Errors
-    /// As [`make`](Self::make), or a file that cannot be downloaded.
+    /// An error that names the setting with an unknown or invalid value.
+    fn check(&self, settings: &AgentSettings) -> Result<(), AgentError> {
+        let _ = settings;
+        Ok(())
+    }
+
+    /// Downloads the files that the settings need; called once before a run. `observer` receives
+    /// the progress of downloads.
+    ///
+    /// # Errors
+    /// As [`check`](Self::check), or a file that cannot be downloaded.
     fn prepare(
         &self,
         settings: &AgentSettings,
@@ -51,6 +61,15 @@ pub trait AgentFactory: Send + Sync {
     ) -> Result<(), AgentError> {
         let _ = (settings, observer);
         Ok(())
+    }
+
+    /// Whether an agent with these settings uses the true pose; by default it does not.
+    ///
+    /// Answer so only if a setting names such a part. Settings are part of the results, so every
+    /// use of the truth is then visible there.
+    fn uses_truth(&self, settings: &AgentSettings) -> bool {
+        let _ = settings;
+        false
     }
 
     /// Files named in the settings, which a run must not remove before they are read.

@@ -2,9 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args as ClapArgs, Subcommand};
-use openbench_motion::local::built_in::built_in;
 
 use super::{RoadArgs, values::*};
 
@@ -53,6 +51,9 @@ pub struct BenchHealthArgs {
     /// Seed of noise and the order of doors
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// The localizer, as in `run --set localizer=NAME`; without fixes
+    #[arg(long, value_name = "NAME", default_value = "fused")]
+    pub localizer: String,
     /// Drives in parallel; results do not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
@@ -131,7 +132,7 @@ pub struct BenchMotionArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Local planners, separated by commas [default: all]
-    #[arg(long = "planner", value_parser = local_planner(), value_delimiter = ',')]
+    #[arg(long = "planner", value_name = "NAME", value_delimiter = ',')]
     pub planners: Vec<String>,
     /// Scenes in parallel; only CPU times depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -169,7 +170,7 @@ pub struct BenchPeopleArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// The local planner, as in `run --set motion=NAME`
-    #[arg(long, default_value = "teb")]
+    #[arg(long, value_name = "NAME", default_value = "teb")]
     pub planner: String,
     /// Drives in parallel; results do not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -177,14 +178,6 @@ pub struct BenchPeopleArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
-}
-
-/// The names of local planners.
-fn local_planner() -> PossibleValuesParser {
-    let names = built_in().entries().to_vec().into_iter();
-    PossibleValuesParser::new(
-        names.map(|entry| PossibleValue::new(entry.name()).help(entry.description())),
-    )
 }
 
 /// Arguments of `bench posegraph`.

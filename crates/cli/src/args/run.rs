@@ -9,24 +9,6 @@ use super::values::*;
 /// Arguments of `run`.
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
-Settings of the agent `open` (--set KEY=VALUE):
-  planner=grammar | MODEL      plans deliveries from the instruction
-  reader=ppocr-v4 | MODEL      reads plates; a list is asked in turn: MODEL,ppocr-v4
-  budget=CALLS,TOKENS,SECONDS  the most that an episode may ask of models
-                               (1000,2000000,1800); then the grammar plans
-  thinking=free | charged      charged: the robot stands still while models answer
-  localizer=fused | lidar-inertial | dead-reckoning
-  fixes=none | gnss            position fixes that correct `fused`
-  motion=teb | follower | mppi local planner
-  ground=alike | pavements     pavements: prefer pavements, with detours up to a fifth
-  MODEL is openai:NAME[@URL] (any OpenAI-compatible endpoint), anthropic:NAME,
-  gemini:NAME, ollama:NAME, local:NAME or replay:FILE.
-
-Upper bounds that use the truth, named in the results:
-  localizer=truth
-  fixes=disturbed-truth:NOISE,SHARE,FAR  standard deviation in metres, share of false
-                               fixes, largest error of these in metres
-
 Examples:
   openbench run medium --jobs 2 --out runs/medium
   openbench run small --set localizer=dead-reckoning

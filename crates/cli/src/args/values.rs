@@ -1,108 +1,140 @@
 //! How values on the command line are read.
 
-pub(super) fn key_value(text: &str) -> Result<(String, String), String> {
+use openbench_core::{LonLat, MapPoint, Pose2};
+use openbench_osm::{Window, WindowError};
+
+/// A value on the command line that cannot be read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ValueError {
+    /// It has another form, or is out of range.
+    #[error("`{text}` is not {expected}")]
+    Unexpected {
+        /// What was written.
+        text: String,
+        /// What should be.
+        expected: &'static str,
+    },
+    /// It is a window that is not on the Earth.
+    #[error(transparent)]
+    Window(#[from] WindowError),
+}
+
+fn unexpected(text: &str, expected: &'static str) -> ValueError {
+    ValueError::Unexpected {
+        text: text.to_owned(),
+        expected,
+    }
+}
+
+pub(super) fn key_value(text: &str) -> Result<(String, String), ValueError> {
     let (key, value) = text
         .split_once('=')
-        .ok_or_else(|| format!("`{text}` is not KEY=VALUE"))?;
+        .ok_or_else(|| unexpected(text, "KEY=VALUE"))?;
     Ok((key.trim().to_owned(), value.trim().to_owned()))
 }
 
-fn numbers(text: &str, count: usize) -> Option<Vec<f64>> {
-    let parsed: Option<Vec<f64>> = text
-        .split(',')
-        .map(|p| p.trim().parse::<f64>().ok().filter(|v| v.is_finite()))
-        .collect();
-    parsed.filter(|v| v.len() == count)
+/// Finite numbers, separated by commas.
+fn numbers<const COUNT: usize>(
+    text: &str,
+    expected: &'static str,
+) -> Result<[f64; COUNT], ValueError> {
+    let numbers = text.split(',').map(|word| word.trim().parse().ok());
+    let numbers: Option<Vec<f64>> = numbers.collect();
+    let finite = numbers.filter(|numbers| numbers.iter().all(|number| number.is_finite()));
+    finite
+        .and_then(|numbers| numbers.try_into().ok())
+        .ok_or_else(|| unexpected(text, expected))
 }
 
-pub(super) fn lonlat(text: &str) -> Result<openbench_core::LonLat, String> {
-    match numbers(text, 2).as_deref() {
-        Some(&[lon, lat]) if lon.abs() <= 180.0 && lat.abs() <= 90.0 => {
-            Ok(openbench_core::LonLat::new(lon, lat))
-        }
-        _ => Err(format!("`{text}` is not LON,LAT in degrees")),
+/// A number of which something holds.
+fn number(
+    text: &str,
+    holds: impl FnOnce(f64) -> bool,
+    expected: &'static str,
+) -> Result<f64, ValueError> {
+    let number = text.parse().ok().filter(|number| holds(*number));
+    number.ok_or_else(|| unexpected(text, expected))
+}
+
+pub(super) fn lonlat(text: &str) -> Result<LonLat, ValueError> {
+    let expected = "LON,LAT in degrees";
+    let [lon, lat] = numbers(text, expected)?;
+    if lon.abs() > 180.0 || lat.abs() > 90.0 {
+        return Err(unexpected(text, expected));
     }
+    Ok(LonLat::new(lon, lat))
 }
 
-pub(super) fn place(text: &str) -> Result<openbench_core::MapPoint, String> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map_while(|word| word.trim().parse().ok())
-        .collect();
-    match numbers[..] {
-        [x, y] if x.is_finite() && y.is_finite() => Ok(openbench_core::MapPoint::new(x, y)),
-        _ => Err(format!("`{text}` should be two numbers, such as 12.5,-3")),
+pub(super) fn place(text: &str) -> Result<MapPoint, ValueError> {
+    let [x, y] = numbers(text, "X,Y in metres, such as 12.5,-3")?;
+    Ok(MapPoint::new(x, y))
+}
+
+/// Position in metres, heading in degrees.
+pub(super) fn pose(text: &str) -> Result<Pose2, ValueError> {
+    let [x, y, yaw] = numbers(text, "X,Y,YAW in metres and degrees")?;
+    Ok(Pose2::new(x, y, yaw.to_radians()))
+}
+
+pub(super) fn pair(text: &str) -> Result<(f64, f64), ValueError> {
+    let expected = "two numbers of at least 0, such as 30,0.5";
+    let [a, b] = numbers(text, expected)?;
+    if a < 0.0 || b < 0.0 {
+        return Err(unexpected(text, expected));
     }
+    Ok((a, b))
 }
 
-pub(super) fn pose(text: &str) -> Result<openbench_core::Pose2, String> {
-    match numbers(text, 3).as_deref() {
-        Some(&[x, y, yaw]) => Ok(openbench_core::Pose2::new(x, y, yaw.to_radians())),
-        _ => Err(format!("`{text}` is not X,Y,YAW")),
-    }
+pub(super) fn window(text: &str) -> Result<Window, ValueError> {
+    let [west, south, east, north] = numbers(text, "WEST,SOUTH,EAST,NORTH in degrees")?;
+    Ok(Window::new(west, south, east, north)?)
 }
 
-pub(super) fn pair(text: &str) -> Result<(f64, f64), String> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map_while(|word| word.trim().parse().ok())
-        .collect();
-    match numbers[..] {
-        [a, b] if a.is_finite() && b.is_finite() && a >= 0.0 && b >= 0.0 => Ok((a, b)),
-        _ => Err(format!(
-            "`{text}` should be two numbers not below 0, such as 30,0.5"
-        )),
-    }
+pub(super) fn metres(text: &str) -> Result<f64, ValueError> {
+    let is_length = |metres: f64| metres > 0.0 && metres.is_finite();
+    number(text, is_length, "a length in metres")
 }
 
-pub(super) fn window(text: &str) -> Result<openbench_osm::Window, String> {
-    let edges = numbers(text, 4).ok_or_else(|| format!("`{text}` is not WEST,SOUTH,EAST,NORTH"))?;
-    openbench_osm::Window::new(edges[0], edges[1], edges[2], edges[3]).map_err(|e| e.to_string())
+pub(super) fn radius(text: &str) -> Result<f64, ValueError> {
+    let range = 1.0..=20_000.0;
+    number(
+        text,
+        |m| range.contains(&m),
+        "a distance from 1 to 20000 metres",
+    )
 }
 
-pub(super) fn metres(text: &str) -> Result<f64, String> {
-    let metres = text
-        .parse()
-        .ok()
-        .filter(|metres: &f64| *metres > 0.0 && metres.is_finite());
-    metres.ok_or_else(|| format!("`{text}` is not a length in metres"))
+pub(super) fn kilometres(text: &str) -> Result<f64, ValueError> {
+    let range = 0.001..=1000.0;
+    number(
+        text,
+        |km| range.contains(&km),
+        "a distance from 0.001 to 1000 kilometres",
+    )
 }
 
-pub(super) fn radius(text: &str) -> Result<f64, String> {
-    let metres = text
-        .parse::<f64>()
-        .ok()
-        .filter(|m| (1.0..=20_000.0).contains(m));
-    metres.ok_or_else(|| format!("`{text}` is no distance; give metres, 1 to 20000"))
+pub(super) fn far(text: &str) -> Result<f64, ValueError> {
+    let range = 0.0..=10_000.0;
+    number(
+        text,
+        |km| range.contains(&km),
+        "a distance from 0 to 10000 kilometres",
+    )
 }
 
-pub(super) fn kilometres(text: &str) -> Result<f64, String> {
-    let kilometres = text
-        .parse()
-        .ok()
-        .filter(|kilometres| (0.001..=1000.0).contains(kilometres));
-    kilometres.ok_or_else(|| format!("`{text}` should be kilometres, from 0.001 to 1000"))
+pub(super) fn minutes(text: &str) -> Result<f64, ValueError> {
+    let range = 0.05..=600.0;
+    number(
+        text,
+        |minutes| range.contains(&minutes),
+        "a duration from 0.05 to 600 minutes",
+    )
 }
 
-pub(super) fn far(text: &str) -> Result<f64, String> {
-    let kilometres = text
-        .parse()
-        .ok()
-        .filter(|kilometres: &f64| (0.0..=10_000.0).contains(kilometres));
-    kilometres.ok_or_else(|| format!("`{text}` should be kilometres, from 0 to 10000"))
-}
-
-pub(super) fn minutes(text: &str) -> Result<f64, String> {
-    let minutes = text
-        .parse()
-        .ok()
-        .filter(|minutes| (0.05..=600.0).contains(minutes));
-    minutes.ok_or_else(|| format!("`{text}` should be minutes, from 0.05 to 600"))
-}
-
-pub(super) fn share(text: &str) -> Result<f64, String> {
-    let share = text.parse::<f64>().ok().filter(|s| (0.0..=1.0).contains(s));
-    share.ok_or_else(|| format!("`{text}` is no share; give a number from 0 to 1"))
+pub(super) fn share(text: &str) -> Result<f64, ValueError> {
+    let range = 0.0..=1.0;
+    number(text, |share| range.contains(&share), "a number from 0 to 1")
 }
 
 #[cfg(test)]
@@ -111,12 +143,33 @@ mod tests {
 
     #[test]
     fn places_and_settings_are_read() {
-        assert_eq!(
-            lonlat("7.4,-43.7").unwrap(),
-            openbench_core::LonLat::new(7.4, -43.7)
-        );
+        assert_eq!(lonlat("7.4,-43.7").unwrap(), LonLat::new(7.4, -43.7));
         assert!(lonlat("7.4").is_err() && lonlat("7.4,91").is_err() && lonlat("a,b").is_err());
         assert_eq!(key_value("a=b=c").unwrap(), ("a".into(), "b=c".into()));
         assert!(key_value("a").is_err());
+    }
+
+    #[test]
+    fn numbers_are_complete_finite_and_in_range() {
+        assert_eq!(place(" 12.5, -3").unwrap(), MapPoint::new(12.5, -3.0));
+        for text in ["12.5", "1,2,3", "1,inf", "1,2x", "1,,2", ""] {
+            let error = place(text).unwrap_err().to_string();
+            assert_eq!(
+                error,
+                format!("`{text}` is not X,Y in metres, such as 12.5,-3")
+            );
+        }
+        assert_eq!(pair("30,0.5").unwrap(), (30.0, 0.5));
+        assert!(pair("30,-0.5").is_err());
+        assert!(share("1").is_ok() && share("1.1").is_err() && share("NaN").is_err());
+        assert!(metres("0").is_err() && metres("inf").is_err());
+        assert!(radius("20000").is_ok() && radius("0.9").is_err());
+    }
+
+    #[test]
+    fn a_window_off_the_earth_is_refused_with_its_reason() {
+        let error = window("10,0,5,1").unwrap_err();
+        assert!(matches!(error, ValueError::Window(_)), "{error}");
+        assert!(window("5,0,10").is_err());
     }
 }

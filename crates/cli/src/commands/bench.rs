@@ -20,9 +20,9 @@ pub fn run(args: &BenchArgs, extensions: &Extensions) -> anyhow::Result<Outcome>
         BenchCommand::Sim(args) => sim(args),
         BenchCommand::Routing(args) => routing(args),
         BenchCommand::Posegraph(args) => posegraph(args),
-        BenchCommand::Motion(args) => bench_motion::run(args),
+        BenchCommand::Motion(args) => bench_motion::run(args, extensions),
         BenchCommand::People(args) => bench_people::run(args, extensions.parts()),
-        BenchCommand::Health(args) => bench_health::run(args),
+        BenchCommand::Health(args) => bench_health::run(args, extensions.parts()),
         BenchCommand::Towns(args) => bench_towns::run(args, &extensions.agents()),
     }
 }

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use openbench_agents::open::Catalogue;
 use openbench_bench::Prepared;
 use openbench_core::RobotDescription;
-use openbench_localization::{Fused, Localizer};
 use openbench_trials::degraded::{DegradedResult, trials};
 
 use crate::args::BenchHealthArgs;
@@ -13,11 +13,11 @@ use crate::commands::run::named;
 use crate::outcome::{Outcome, say, say_json, tell};
 
 /// Drives with each kind of trouble.
-pub fn run(args: &BenchHealthArgs) -> anyhow::Result<Outcome> {
+pub fn run(args: &BenchHealthArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
+    let localizer = parts.localizer(&args.localizer, None)?;
     let prepared = Prepared::world_of(named(&args.world)?)?;
     prepared.warnings().iter().for_each(|w| tell(w));
-    let make =
-        || -> Box<dyn Localizer> { Box::new(Fused::new(RobotDescription::sentry(), Vec::new())) };
+    let make = || localizer(&RobotDescription::sentry());
     let time = Duration::from_secs_f64(args.minutes * 60.0);
     let trials = trials(&prepared, args.seed, time, usize::from(args.jobs), &make)?;
     if args.json {

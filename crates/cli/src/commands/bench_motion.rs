@@ -10,6 +10,7 @@ use openbench_trials::motion::comparison::{
 };
 use openbench_trials::motion::picture::picture;
 
+use crate::Extensions;
 use crate::args::BenchMotionArgs;
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::progress_bar;
@@ -18,8 +19,9 @@ use crate::progress::progress_bar;
 const SHOWN: usize = 20;
 
 /// Drives planners through scenes.
-pub fn run(args: &BenchMotionArgs) -> anyhow::Result<Outcome> {
-    let planners = planners().select(&args.planners)?;
+pub fn run(args: &BenchMotionArgs, extensions: &Extensions) -> anyhow::Result<Outcome> {
+    let known = extensions.planners_beside(planners());
+    let planners = known.select(&args.planners)?;
     let request = ComparisonRequest {
         first: args.first as usize,
         count: args.scenes as usize,

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use openbench_agents::open::{Catalogue, settings};
 use openbench_bench::{Prepared, TrafficPlan};
+use openbench_motion::local::make_planner;
 use openbench_trials::motion::people::{PeopleRequest, PeopleResult, drive, drives};
 
 use crate::args::BenchPeopleArgs;
@@ -20,7 +21,7 @@ pub fn run(args: &BenchPeopleArgs, parts: &Catalogue) -> anyhow::Result<Outcome>
     let request = PeopleRequest {
         kilometres: args.km,
         seed: args.seed,
-        planner: &|robot| planner.make(&settings::planning(robot)).map_err(Into::into),
+        planner: &|robot| make_planner(&planner, &settings::planning(robot)).map_err(Into::into),
         threads: usize::from(args.jobs),
     };
     let bar = progress_bar(args.pedestrians.len() * drives(args.km), "drives");

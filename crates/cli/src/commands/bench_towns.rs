@@ -10,7 +10,7 @@ use openbench_trials::towns::{
 };
 
 use crate::args::BenchTownsArgs;
-use crate::commands::run::prepare_agent;
+use crate::commands::run::{check_agent, prepare_agent};
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::progress_bar;
 
@@ -19,6 +19,7 @@ pub fn run(args: &BenchTownsArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let factory = agents.get(&args.agent)?.as_ref();
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
     if !args.draw {
+        check_agent(factory, &settings)?;
         prepare_agent(factory, &settings)?;
     }
     let absolute =

@@ -24,6 +24,8 @@ use crate::progress::{PullProgress, progress_bar};
 pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let factory = agents.get(&args.agent)?.as_ref();
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
+    // First of all: to build the world takes a while, and to find a misspelt setting does not.
+    check_agent(factory, &settings)?;
     let prepared = prepare(args)?;
     prepare_agent(factory, &settings)?;
     let read = factory
@@ -111,7 +113,15 @@ fn probe(path: &Path) -> anyhow::Result<()> {
     Ok(std::fs::remove_file(&name)?)
 }
 
-/// Lets an agent check its settings and download what it needs.
+/// Lets an agent check its settings.
+pub(super) fn check_agent(
+    factory: &dyn AgentFactory,
+    settings: &BTreeMap<String, String>,
+) -> anyhow::Result<()> {
+    factory.check(settings).map_err(anyhow::Error::from_boxed)
+}
+
+/// Lets an agent download what it needs.
 pub(super) fn prepare_agent(
     factory: &dyn AgentFactory,
     settings: &BTreeMap<String, String>,

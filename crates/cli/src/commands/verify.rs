@@ -52,6 +52,7 @@ pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
 /// Runs the agent again. What its actions do to the world is compared with the same stroke.
 fn drive_again(record: &RunRecord, args: &VerifyArgs, agents: &Agents) -> anyhow::Result<()> {
     let factory = agents.get(&record.agent)?.as_ref();
+    super::run::check_agent(factory, &record.settings)?;
     let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
     let memory = memory_of(&args.run)?;
     super::run::prepare_agent(factory, &record.settings)?;

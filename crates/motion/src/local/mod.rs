@@ -14,4 +14,7 @@ mod registry;
 
 pub use path::{PathPoint, ahead};
 pub use planner::{Blocked, LocalPlanner, Progress, Situation};
-pub use registry::{Entry, LocalPlanners, PlannerError, PlannerSettings};
+pub use registry::{
+    LocalPlanners, MakeError, MakePlanner, PlannerEntry, PlannerError, PlannerSettings,
+    make_planner, planner_entry,
+};

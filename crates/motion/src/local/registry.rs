@@ -1,10 +1,10 @@
 //! Local planners by name.
 
 use std::error::Error;
-use std::fmt;
 use std::sync::Arc;
 
-use openbench_core::RobotDescription;
+use openbench_core::registry::Entry;
+use openbench_core::{Registry, RobotDescription};
 
 use super::planner::LocalPlanner;
 
@@ -31,103 +31,20 @@ impl PlannerSettings {
 }
 
 /// What a constructor of a local planner fails with.
-type AnyError = Box<dyn Error + Send + Sync>;
+pub type MakeError = Box<dyn Error + Send + Sync>;
 /// Makes a local planner.
-type Make = dyn Fn(&PlannerSettings) -> Result<Box<dyn LocalPlanner>, AnyError> + Send + Sync;
-
+pub type MakePlanner =
+    dyn Fn(&PlannerSettings) -> Result<Box<dyn LocalPlanner>, MakeError> + Send + Sync;
 /// A local planner that can be asked for by its name.
-#[derive(Clone)]
-pub struct Entry {
-    name: &'static str,
-    description: &'static str,
-    make: Arc<Make>,
-}
+pub type PlannerEntry = Entry<Arc<MakePlanner>>;
 
-impl Entry {
-    /// An entry from a name, one line that says what the planner is, and its constructor.
-    pub fn new<P, E>(
-        name: &'static str,
-        description: &'static str,
-        make: impl Fn(&PlannerSettings) -> Result<P, E> + Send + Sync + 'static,
-    ) -> Self
-    where
-        P: LocalPlanner + 'static,
-        E: Into<AnyError>,
-    {
-        let make = move |settings: &PlannerSettings| match make(settings) {
-            Ok(planner) => Ok(Box::new(planner) as Box<dyn LocalPlanner>),
-            Err(error) => Err(error.into()),
-        };
-        Self {
-            name,
-            description,
-            make: Arc::new(make),
-        }
-    }
-
-    /// Its name, as users write it.
-    pub fn name(&self) -> &'static str {
-        self.name
-    }
-
-    /// One line that says what it is.
-    pub fn description(&self) -> &'static str {
-        self.description
-    }
-
-    /// A planner of this kind.
-    pub fn make(&self, settings: &PlannerSettings) -> Result<Box<dyn LocalPlanner>, PlannerError> {
-        (self.make)(settings).map_err(|source| PlannerError::Unfit {
-            name: self.name,
-            source,
-        })
-    }
-}
-
-impl fmt::Debug for Entry {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            name, description, ..
-        } = self;
-        f.debug_struct("Entry")
-            .field("name", name)
-            .field("description", description)
-            .finish()
-    }
-}
-
-/// A local planner cannot be made.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PlannerError {
-    /// There is none of that name.
-    #[error("there is no such local planner; there are {}", known.join(", "))]
-    Unknown {
-        /// The name that was asked for.
-        name: String,
-        /// The names that there are.
-        known: Vec<&'static str>,
-    },
-    /// It cannot be made for this robot or with its settings.
-    #[error("the local planner {name} cannot be made")]
-    Unfit {
-        /// Its name.
-        name: &'static str,
-        /// Why.
-        source: AnyError,
-    },
-}
-
-/// Local planners by name, in the order in which they are listed.
-///
-/// [`built_in`](super::built_in::built_in) has those of this crate; [`LocalPlanners::with`] adds
-/// others, from wherever they come, or replaces one by the same with other settings.
+/// Local planners by name. [`built_in`](super::built_in::built_in) has those of this crate.
 ///
 /// ```
 /// use openbench_core::{RobotDescription, Velocity};
 /// use openbench_motion::local::built_in::built_in;
-/// use openbench_motion::local::{Entry, PlannerSettings};
-/// use openbench_motion::{Blocked, LocalPlanner, Progress, ShapeError, Situation};
+/// use openbench_motion::local::{PlannerSettings, make_planner, planner_entry};
+/// use openbench_motion::{Blocked, LocalPlanner, Progress, Situation};
 ///
 /// /// Drives straight on, whatever comes.
 /// struct Blind;
@@ -141,148 +58,60 @@ pub enum PlannerError {
 ///     fn reset(&mut self) {}
 /// }
 ///
-/// let blind = Entry::new("blind", "Drives straight on", |_: &PlannerSettings| {
-///     Ok::<_, ShapeError>(Blind)
-/// });
-/// let planners = built_in().with(blind);
-/// assert_eq!(planners.names(), ["teb", "follower", "mppi", "blind"]);
+/// let blind = planner_entry("blind", "Drives straight on", |_| Ok(Box::new(Blind)));
+/// let planners = built_in().with_entry(blind);
+/// assert!(planners.names().eq(["teb", "follower", "mppi", "blind"]));
 /// let settings = PlannerSettings::new(RobotDescription::sentry());
-/// assert!(planners.make("blind", &settings).is_ok());
+/// assert!(make_planner(planners.find("blind")?.entry, &settings).is_ok());
+/// # Ok::<(), openbench_core::UnknownName>(())
 /// ```
-#[derive(Debug, Clone, Default)]
-pub struct LocalPlanners {
-    entries: Vec<Entry>,
+pub type LocalPlanners = Registry<Arc<MakePlanner>>;
+
+/// An entry from a name, one line that says what the planner is, and its constructor.
+pub fn planner_entry<F>(name: &str, about: &str, make: F) -> PlannerEntry
+where
+    F: Fn(&PlannerSettings) -> Result<Box<dyn LocalPlanner>, MakeError> + Send + Sync + 'static,
+{
+    Entry::new(name, about, Arc::new(make))
 }
 
-impl LocalPlanners {
-    /// Planners in an order; of two with the same name the later one counts.
-    pub fn new(entries: impl IntoIterator<Item = Entry>) -> Self {
-        entries.into_iter().fold(Self::default(), Self::with)
-    }
+/// A planner of an entry.
+///
+/// # Errors
+/// [`PlannerError`] if the constructor fails.
+pub fn make_planner(
+    entry: &PlannerEntry,
+    settings: &PlannerSettings,
+) -> Result<Box<dyn LocalPlanner>, PlannerError> {
+    (entry.part)(settings).map_err(|source| PlannerError {
+        name: entry.name.clone(),
+        source,
+    })
+}
 
-    /// These and one more; an entry of the same name is replaced and keeps its place.
-    pub fn with(mut self, entry: Entry) -> Self {
-        match self
-            .entries
-            .iter_mut()
-            .find(|known| known.name == entry.name)
-        {
-            Some(known) => *known = entry,
-            None => self.entries.push(entry),
-        }
-        self
-    }
-
-    /// The entries, in their order.
-    pub fn entries(&self) -> &[Entry] {
-        &self.entries
-    }
-
-    /// Their names, in their order.
-    pub fn names(&self) -> Vec<&'static str> {
-        self.entries.iter().map(|entry| entry.name).collect()
-    }
-
-    /// Those of some names, in the order of this list; all of them if no name is given.
-    pub fn select(&self, names: &[impl AsRef<str>]) -> Result<Self, PlannerError> {
-        names
-            .iter()
-            .try_for_each(|name| self.get(name.as_ref()).map(drop))?;
-        let is_wanted = |entry: &&Entry| {
-            names.is_empty() || names.iter().any(|name| name.as_ref() == entry.name)
-        };
-        Ok(Self {
-            entries: self.entries.iter().filter(is_wanted).cloned().collect(),
-        })
-    }
-
-    /// The entry of a name.
-    pub fn get(&self, name: &str) -> Result<&Entry, PlannerError> {
-        self.entries
-            .iter()
-            .find(|entry| entry.name == name)
-            .ok_or_else(|| PlannerError::Unknown {
-                name: name.to_owned(),
-                known: self.names(),
-            })
-    }
-
-    /// The planner of a name.
-    pub fn make(
-        &self,
-        name: &str,
-        settings: &PlannerSettings,
-    ) -> Result<Box<dyn LocalPlanner>, PlannerError> {
-        self.get(name)?.make(settings)
-    }
+/// A local planner cannot be made for this robot or with its settings.
+#[derive(Debug, thiserror::Error)]
+#[error("the local planner {name} cannot be made")]
+pub struct PlannerError {
+    /// Its name.
+    pub name: String,
+    /// Why.
+    pub source: MakeError,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::local::planner::{Blocked, Progress, Situation};
-
-    struct Parked;
-
-    impl LocalPlanner for Parked {
-        fn plan(&mut self, _situation: &Situation<'_>) -> Result<Progress, Blocked> {
-            Err(Blocked::NoGap)
-        }
-
-        fn reset(&mut self) {}
-    }
-
-    fn parked(name: &'static str, description: &'static str) -> Entry {
-        Entry::new(name, description, |_: &PlannerSettings| {
-            Ok::<_, std::fmt::Error>(Parked)
-        })
-    }
-
-    fn settings() -> PlannerSettings {
-        PlannerSettings::new(RobotDescription::sentry())
-    }
-
-    #[test]
-    fn a_planner_is_added_after_the_others_and_replaced_in_its_place() {
-        let planners = LocalPlanners::new([parked("a", ""), parked("b", "")]);
-        let planners = planners.with(parked("c", "new")).with(parked("a", "other"));
-        let listed: Vec<_> = planners
-            .entries()
-            .iter()
-            .map(|e| (e.name(), e.description()))
-            .collect();
-        assert_eq!(listed, [("a", "other"), ("b", ""), ("c", "new")]);
-        assert!(planners.make("c", &settings()).is_ok());
-    }
-
-    #[test]
-    fn planners_are_selected_in_the_order_of_the_list() {
-        let planners = LocalPlanners::new([parked("a", ""), parked("b", ""), parked("c", "")]);
-        let names = |wanted: &[&str]| planners.select(wanted).map(|some| some.names());
-        assert_eq!(names(&["c", "a", "c"]).unwrap(), ["a", "c"]);
-        assert_eq!(names(&[]).unwrap(), ["a", "b", "c"]);
-        assert!(names(&["a", "x"]).is_err());
-    }
-
-    #[test]
-    fn an_unknown_name_is_refused_with_those_that_there_are() {
-        let planners = LocalPlanners::new([parked("a", ""), parked("b", "")]);
-        let error = planners.get("x").unwrap_err();
-        assert!(error.to_string().ends_with("there are a, b"), "{error}");
-    }
 
     #[test]
     fn why_a_planner_cannot_be_made_is_kept() {
-        let broken = Entry::new("broken", "", |_: &PlannerSettings| {
-            Err::<Parked, _>(std::fmt::Error)
-        });
-        let Err(error) = broken.make(&settings()) else {
+        let broken = planner_entry("broken", "", |_| Err(std::fmt::Error.into()));
+        let settings = PlannerSettings::new(RobotDescription::sentry());
+        let Err(error) = make_planner(&broken, &settings) else {
             panic!("it was made")
         };
-        assert!(
-            error
-                .source()
-                .is_some_and(|source| source.is::<std::fmt::Error>())
-        );
+        let source = error.source().unwrap();
+        assert!(source.is::<std::fmt::Error>());
+        assert_eq!(error.to_string(), "the local planner broken cannot be made");
     }
 }

@@ -6,7 +6,7 @@ use crate::checks::SettingsError;
 use crate::feasible::ConflictCheck;
 use crate::limits::Limits;
 use crate::local::{
-    Blocked, Entry, LocalPlanner, PathPoint, PlannerSettings, Progress, Situation, ahead,
+    Blocked, LocalPlanner, PathPoint, PlannerEntry, Progress, Situation, ahead, planner_entry,
 };
 use crate::people::caution::Hesitation;
 use crate::recovery::maneuver;
@@ -48,15 +48,15 @@ const MOST_VIAS: f64 = 40.0;
 const WELL_WITHIN: f64 = 0.7;
 
 /// Its entry among the local planners.
-pub fn entry() -> Entry {
+pub fn entry() -> PlannerEntry {
     entry_with(TebSettings::default())
 }
 
 /// Its entry with other settings.
-pub fn entry_with(own: TebSettings) -> Entry {
-    let description = "Timed Elastic Bands in several classes of ways";
-    Entry::new("teb", description, move |settings: &PlannerSettings| {
-        Teb::new(&settings.robot, own)
+pub fn entry_with(own: TebSettings) -> PlannerEntry {
+    let about = "Timed Elastic Bands in several homotopy classes";
+    planner_entry("teb", about, move |settings| {
+        Ok(Box::new(Teb::new(&settings.robot, own)?))
     })
 }
 

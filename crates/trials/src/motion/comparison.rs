@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use openbench_core::RobotDescription;
 use openbench_motion::follower::{self, Tolerance};
 use openbench_motion::local::built_in::built_in;
-use openbench_motion::local::{LocalPlanners, PlannerError, PlannerSettings};
+use openbench_motion::local::{LocalPlanners, PlannerError, PlannerSettings, make_planner};
 use openbench_motion::{FailureReason, NavigatorError};
 use serde::{Serialize, Serializer};
 
@@ -33,28 +33,28 @@ const FOLLOWER: Tolerance = Tolerance {
 
 /// The planners that are compared by default.
 pub fn planners() -> LocalPlanners {
-    built_in().with(follower::entry_with(FOLLOWER))
+    built_in().with_entry(follower::entry_with(FOLLOWER))
 }
 
 /// A planner that is compared, ordered as listed and serialized as its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PlannerKind {
     place: usize,
-    name: &'static str,
+    name: String,
 }
 
 impl PlannerKind {
     /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        self.name
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     fn all(planners: &LocalPlanners) -> Vec<Self> {
-        let entries = planners.entries().iter().enumerate();
+        let entries = planners.entries().enumerate();
         entries
             .map(|(place, entry)| Self {
                 place,
-                name: entry.name(),
+                name: entry.name.clone(),
             })
             .collect()
     }
@@ -62,7 +62,7 @@ impl PlannerKind {
 
 impl Serialize for PlannerKind {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name)
+        serializer.serialize_str(&self.name)
     }
 }
 
@@ -278,7 +278,7 @@ fn outcome(
     let drives = planners
         .zip(request.planners.entries())
         .map(|(planner, entry)| {
-            let drive = drive(&scene, robot, entry.make(&settings)?)?;
+            let drive = drive(&scene, robot, make_planner(entry, &settings)?)?;
             Ok(PlannerDrive { planner, drive })
         })
         .collect::<Result<Vec<_>, ComparisonError>>()?;
@@ -320,17 +320,17 @@ fn summary(seed: u64, planners: &[PlannerKind], outcomes: &[SceneOutcome]) -> Co
         undecided: outcomes.iter().map(|o| o.undecided).sum(),
         planners: planners
             .iter()
-            .map(|&planner| (planner, row(judged(&all, planner))))
+            .map(|planner| (planner.clone(), row(judged(&all, planner))))
             .collect(),
         kinds: planners
             .iter()
-            .map(|&planner| (planner, rows_by_kind(&all, planner)))
+            .map(|planner| (planner.clone(), rows_by_kind(&all, planner)))
             .collect(),
         failures: outcomes.iter().flat_map(failures).collect(),
     }
 }
 
-fn rows_by_kind(outcomes: &[&SceneOutcome], planner: PlannerKind) -> BTreeMap<Kind, Row> {
+fn rows_by_kind(outcomes: &[&SceneOutcome], planner: &PlannerKind) -> BTreeMap<Kind, Row> {
     let mut rows = BTreeMap::new();
     for kind in Kind::ALL {
         let of_kind: Vec<&SceneOutcome> = outcomes
@@ -354,12 +354,12 @@ struct Judged<'a> {
 /// The drives of a planner.
 fn judged<'a>(
     outcomes: &[&'a SceneOutcome],
-    planner: PlannerKind,
+    planner: &'a PlannerKind,
 ) -> impl Iterator<Item = Judged<'a>> {
     outcomes.iter().flat_map(move |outcome| {
         let drives = outcome.drives.iter();
         drives
-            .filter(move |driven| driven.planner == planner)
+            .filter(move |driven| driven.planner == *planner)
             .map(|driven| Judged {
                 best: outcome.best,
                 drive: &driven.drive,
@@ -420,7 +420,7 @@ fn failures(outcome: &SceneOutcome) -> Vec<Failure> {
         .iter()
         .filter_map(|PlannerDrive { planner, drive }| {
             Some(Failure {
-                planner: *planner,
+                planner: planner.clone(),
                 scene: outcome.number,
                 kind: outcome.kind,
                 what: failure(outcome.best, drive)?,
@@ -554,8 +554,11 @@ mod tests {
             driven(End::Timeout, 1.0),
             touched,
         ];
-        let planner = PlannerKind::all(&planners())[0];
-        let drives = drives.map(|drive| PlannerDrive { planner, drive });
+        let planners = PlannerKind::all(&planners());
+        let drives = drives.map(|drive| PlannerDrive {
+            planner: planners[0].clone(),
+            drive,
+        });
         let best = |found, saved| fastest(found, &drives, |d| Some(d.seconds - saved));
         assert_eq!(
             (best(10.0, 0.0), best(8.0, 0.0), best(8.0, 1.5)),

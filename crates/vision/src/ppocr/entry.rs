@@ -3,20 +3,21 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
+use openbench_core::registry::Entry;
 use openbench_models::ModelStore;
 
 use super::PpOcr;
 use super::settings::PpOcrSettings;
-use crate::entry::{ReaderContext, ReaderEntry};
 use crate::error::Cause;
+use crate::part::{ReaderContext, ReaderPart};
 
 /// The name of the reader, and of the set of its model files.
 const NAME: &str = "ppocr-v4";
 
 /// The registration of the reader `ppocr-v4`.
-pub fn entry() -> ReaderEntry {
+pub fn entry() -> Entry<ReaderPart> {
     let networks = Networks::default();
-    let make = move |_: &str, context: &mut ReaderContext<'_>| {
+    let part = ReaderPart::new(move |_, context: &mut ReaderContext<'_>| {
         let store = match &context.store {
             Some(store) => store.clone(),
             None => ModelStore::from_environment()?,
@@ -26,10 +27,10 @@ pub fn entry() -> ReaderEntry {
             ..PpOcrSettings::default()
         };
         let reader = networks.of(&store)?.with_settings(settings);
-        Ok(Box::new(reader) as _)
-    };
-    let description = "PP-OCR version 4 on the CPU";
-    ReaderEntry::new(NAME, description, make).needing_files(NAME)
+        Ok(Box::new(reader))
+    });
+    let about = "PP-OCR version 4 on the CPU";
+    Entry::new(NAME, about, part.needing_files(NAME))
 }
 
 /// The networks that were loaded last.

@@ -6,17 +6,14 @@ use std::time::Duration;
 
 use openbench_core::address::fold_name;
 use openbench_core::frames::wrap_angle;
-use openbench_core::{
-    Address, Event, Events, FailureCause, Image, MapPoint, Observation, SimTime, with_causes,
-};
+use openbench_core::{Address, Event, Events, Image, MapPoint, Observation, SimTime};
 use openbench_geometry::Segment;
-use openbench_vision::parse_unit;
+use openbench_vision::{ReaderError, parse_unit};
 
-use crate::open::doorstep;
 use crate::open::exploration::{self, Waypoint};
 use crate::open::sighting::{self, Location, Sighting};
 
-use super::{Glance, Mission, Next, Stage, Task};
+use super::{Glance, Glimpse, Mission, Next, Stage, Task};
 
 /// On the way to a door, its position is corrected if it moved by more than this.
 const CORRECTION_M: f64 = 0.25;
@@ -50,7 +47,7 @@ impl Mission {
         };
         let known = self.seen.len();
         match self.read(&image, events) {
-            Err(detail) => Next::give_up(task, FailureCause::ReaderUnavailable, detail),
+            Err(error) => Next::unreadable(task, &error),
             Ok(unread) => {
                 self.look_closer(&mut task, &unread);
                 self.after_look(task, known, events)
@@ -108,24 +105,23 @@ impl Mission {
     }
 
     /// Looks from a place before all others.
-    fn look_from(&mut self, mut task: Task, view: Waypoint) -> Next {
+    pub(super) fn look_from(&mut self, mut task: Task, view: Waypoint) -> Next {
         task.waypoints.extend(task.place.take());
         self.go_to(task, view)
     }
 
-    /// Reads what the camera happens to see on the way, near the building. Returns the task if that
-    /// changes nothing.
+    /// Reads what the camera happens to see on the way, near the building.
     pub(super) fn glance(
         &mut self,
-        mut task: Task,
+        task: &mut Task,
         observation: &Observation<'_>,
         events: &mut dyn Events,
-    ) -> Result<Task, Next> {
+    ) -> Glimpse {
         if !self.is_new_view(observation.time) || !self.faces(task.building) {
-            return Ok(task);
+            return Glimpse::Nothing;
         }
         let Some(image) = observation.camera.image() else {
-            return Ok(task);
+            return Glimpse::Nothing;
         };
         self.last_glance = Glance {
             time: observation.time,
@@ -133,22 +129,19 @@ impl Mission {
         };
         let known = self.seen.len();
         match self.read(&image, events) {
-            Ok(unread) => self.look_closer(&mut task, &unread),
-            Err(detail) => {
-                return Err(Next::give_up(task, FailureCause::ReaderUnavailable, detail));
-            }
+            Ok(unread) => self.look_closer(task, &unread),
+            Err(error) => return Glimpse::Unreadable(error),
         }
-        if self.is_refuted(&task) {
-            return Err(self.next_waypoint(task, events));
+        if self.is_refuted(task) {
+            return Glimpse::Refuted;
         }
         let door = self.remembered(task.building, &task.address);
-        if let Some(door) = door.filter(|door| wants(&task, door)) {
-            task.doorstep = doorstep::NEAREST_M;
-            return Err(self.approach(task, door));
+        if let Some(door) = door.filter(|door| wants(task, door)) {
+            return Glimpse::Door(door);
         }
-        match self.uncertain(&task, known) {
-            Some(view) => Err(self.look_from(task, view)),
-            None => Ok(task),
+        match self.uncertain(task, known) {
+            Some(view) => Glimpse::Uncertain(view),
+            None => Glimpse::Nothing,
         }
     }
 
@@ -215,12 +208,9 @@ impl Mission {
         &mut self,
         image: &Arc<Image>,
         events: &mut dyn Events,
-    ) -> Result<Vec<Location>, String> {
+    ) -> Result<Vec<Location>, ReaderError> {
         let pose = self.localizer.pose();
-        let readings = self
-            .reader
-            .read(image)
-            .map_err(|error| with_causes(&error))?;
+        let readings = self.reader.read(image)?;
         for reading in readings.iter().filter(|r| parse_unit(&r.text).is_some()) {
             let located = sighting::locate(
                 reading,
@@ -274,4 +264,57 @@ fn wants(task: &Task, door: &Sighting) -> bool {
 fn fits(sighting: &Sighting, building: usize, address: &Address) -> bool {
     let unit = address.unit.as_deref();
     sighting.building == building && unit.is_none_or(|u| fold_name(u) == fold_name(&sighting.unit))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn address(unit: Option<&str>) -> Address {
+        Address {
+            building: "building1".into(),
+            unit: unit.map(str::to_owned),
+        }
+    }
+
+    fn door(unit: &str, x: f64) -> Sighting {
+        Sighting {
+            unit: unit.into(),
+            building: 0,
+            position: MapPoint::new(x, 0.0),
+            facing: 0.0,
+            confidence: 1.0,
+        }
+    }
+
+    #[test]
+    fn a_door_fits_an_address_of_its_building_and_unit() {
+        let seen = door("unit1", 0.0);
+        assert!(fits(&seen, 0, &address(Some("Unit 1"))));
+        assert!(!fits(&seen, 0, &address(Some("unit11"))));
+        assert!(!fits(&seen, 1, &address(Some("unit1"))));
+    }
+
+    #[test]
+    fn any_door_of_the_building_fits_an_address_without_a_unit() {
+        assert!(fits(&door("unit7", 0.0), 0, &address(None)));
+        assert!(!fits(&door("unit7", 0.0), 1, &address(None)));
+    }
+
+    #[test]
+    fn a_door_is_approached_anew_only_if_it_moved_notably() {
+        let mut task = Task::new(address(Some("unit1")), 0, None);
+        task.stage = Stage::Approach(door("unit1", 0.0));
+        assert!(!wants(&task, &door("unit1", 0.9 * CORRECTION_M)));
+        assert!(wants(&task, &door("unit1", 1.1 * CORRECTION_M)));
+    }
+
+    #[test]
+    fn a_known_door_is_looked_at_before_what_is_seen_on_the_way_counts() {
+        let (known, seen) = (door("unit1", 0.0), door("unit1", 5.0));
+        let expecting = Task::new(address(Some("unit1")), 0, Some(known));
+        let searching = Task::new(address(Some("unit1")), 0, None);
+        assert!(!wants(&expecting, &seen));
+        assert!(wants(&searching, &seen));
+    }
 }

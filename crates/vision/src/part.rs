@@ -1,4 +1,4 @@
-//! Registration of plate readers: a name, a description and a constructor.
+//! What plate readers are made from, and how.
 
 use std::sync::Arc;
 
@@ -72,35 +72,33 @@ impl<'a> ReaderContext<'a> {
     }
 }
 
-type Accepts = Arc<dyn Fn(&str) -> bool + Send + Sync>;
 type Make =
-    Arc<dyn Fn(&str, &mut ReaderContext<'_>) -> Result<Box<dyn PlateReader>, Cause> + Send + Sync>;
+    dyn Fn(&str, &mut ReaderContext<'_>) -> Result<Box<dyn PlateReader>, Cause> + Send + Sync;
 
-/// A plate reader with the name by which it is made.
+/// A registered plate reader: its constructor, and the files that it requires.
 ///
 /// ```
-/// use openbench_vision::{ReaderEntry, VlmReader};
+/// use openbench_vision::{ReaderPart, VlmReader, readers};
 ///
-/// // A short name for a model on a server in the local network.
-/// let entry = ReaderEntry::new("house-model", "the model of our office", |_, context| {
-///     let model = (context.open_model)("openai:qwen2.5-vl@http://10.0.0.7:8000/v1")?;
+/// // A short name for the models on a server in the local network: `house:MODEL`.
+/// let house = ReaderPart::new(|model, context| {
+///     let model = (context.open_model)(&format!("openai:{model}@http://10.0.0.7:8000/v1"))?;
 ///     Ok(Box::new(VlmReader::new(model)))
 /// });
-/// assert!(entry.matches("house-model") && !entry.matches("openai:gpt-4o"));
+/// let readers = readers::built_in().with("house:MODEL", "the models of our office", house);
+/// assert_eq!(readers.find("house:qwen2.5-vl")?.argument, "qwen2.5-vl");
+/// # Ok::<(), openbench_core::UnknownName>(())
 /// ```
 #[derive(Clone)]
-pub struct ReaderEntry {
-    name: String,
-    description: String,
+pub struct ReaderPart {
+    make: Arc<Make>,
     model_files: Option<String>,
-    accepts: Option<Accepts>,
-    make: Make,
 }
 
-impl ReaderEntry {
-    /// A reader with this name and one-line description. `make` gets the name in use, which differs
-    /// from `name` for readers with [`ReaderEntry::accepting`].
-    pub fn new<F>(name: impl Into<String>, description: impl Into<String>, make: F) -> Self
+impl ReaderPart {
+    /// A reader with this constructor. It gets the argument, which is what follows the colon of
+    /// `reader=NAME:ARGUMENT`, else nothing.
+    pub fn new<F>(make: F) -> Self
     where
         F: Fn(&str, &mut ReaderContext<'_>) -> Result<Box<dyn PlateReader>, Cause>
             + Send
@@ -108,11 +106,8 @@ impl ReaderEntry {
             + 'static,
     {
         Self {
-            name: name.into(),
-            description: description.into(),
-            model_files: None,
-            accepts: None,
             make: Arc::new(make),
+            model_files: None,
         }
     }
 
@@ -123,54 +118,20 @@ impl ReaderEntry {
         self
     }
 
-    /// The same reader under each name that `accepts` accepts, instead of its own name. It is for
-    /// readers whose name contains an argument, such as the name of a model.
-    #[must_use]
-    pub fn accepting(mut self, accepts: impl Fn(&str) -> bool + Send + Sync + 'static) -> Self {
-        self.accepts = Some(Arc::new(accepts));
-        self
-    }
-
-    /// Its name, or the form of its names.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Its description, one line.
-    pub fn description(&self) -> &str {
-        &self.description
-    }
-
     /// The set of model files that the reader requires.
     pub fn model_files(&self) -> Option<&str> {
         self.model_files.as_deref()
     }
 
-    /// Whether a name is that of the reader.
-    pub fn matches(&self, name: &str) -> bool {
-        match &self.accepts {
-            Some(accepts) => accepts(name),
-            None => name == self.name,
-        }
-    }
-
-    /// Whether a list of names begins with that of the reader.
-    pub(crate) fn begins(&self, list: &str) -> bool {
-        match &self.accepts {
-            Some(accepts) => accepts(list),
-            None => list.starts_with(&self.name),
-        }
-    }
-
-    /// Makes the reader of a name.
+    /// Makes a reader with this argument.
     ///
     /// # Errors
     /// Any error of its constructor.
     pub fn make(
         &self,
-        name: &str,
+        argument: &str,
         context: &mut ReaderContext<'_>,
     ) -> Result<Box<dyn PlateReader>, Cause> {
-        (self.make)(name, context)
+        (self.make)(argument, context)
     }
 }
