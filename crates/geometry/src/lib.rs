@@ -5,7 +5,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | `segment` | [`Segment`]: lengths, nearest points, crossings |
-//! | [`line`] | lines through points: lengths, parallels |
+//! | [`mod@line`] | lines through points: lengths, parallels |
 //! | `turn` | [`turn`]: on which side of a line a point is |
 //! | `bounds` | [`Bounds`]: axis-aligned boxes |
 //! | [`polygon`] | [`Polygon`]: outlines with holes |

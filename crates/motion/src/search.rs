@@ -32,7 +32,7 @@ const STEPS: [(i32, i32); 8] = [
 const START: u8 = 8;
 
 /// Costs of cells, row by row: of a path of one cell's side through each. They are 1 to
-/// [`DEAREST`], or infinite where no path leads.
+/// 256, or infinite where no path leads.
 #[derive(Debug, Clone, Copy)]
 pub struct Costs<'a> {
     width: usize,

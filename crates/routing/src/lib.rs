@@ -51,7 +51,7 @@ mod turns;
 use openbench_core::{MapPoint, TravelTimes};
 
 pub use metric::Metric;
-pub use profile::{OutOfRange, Profile, ProfileError};
+pub use profile::{OutOfRange, Profile, ProfileError, Travel};
 pub use roads::Roads;
 pub use router::{MapRouter, PrepareError};
 pub use turns::TooManyTurns;

@@ -15,17 +15,15 @@ const LARGEST_ROUNDING: f64 = 1e4;
 /// A convex obstacle, standing or moving with constant velocity.
 ///
 /// ```
-/// use openbench_core::{MapPoint, Pose2, RobotDescription};
-/// use openbench_motion::{Footprint, Obstacle};
+/// use openbench_core::MapPoint;
+/// use openbench_motion::{Obstacle, Vector2};
 ///
-/// // The robot is 0.32 m long and looks at a wall 2 m to the east.
-/// let robot = Footprint::of(&RobotDescription::sentry())?;
-/// let wall = Obstacle::wall(MapPoint::new(2.0, -9.0), MapPoint::new(2.0, 9.0))?;
-/// let placed = robot.at(Pose2::default());
-/// let contact = wall.contact(&placed, robot.circumscribed(), 0.0, 5.0).ok_or("it is near")?;
-/// assert!((contact.distance - 1.84).abs() < 1e-9);
-/// assert!((contact.normal.x - 1.0).abs() < 1e-9 && contact.normal.y.abs() < 1e-9);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// // A person walks north at 1 m/s.
+/// let person = Obstacle::new(&[MapPoint::new(2.0, 0.0)], 0.3, Vector2::new(0.0, 1.0))?;
+/// let robot = MapPoint::new(0.0, 0.0);
+/// assert!((person.distance_to(robot) - 1.7).abs() < 1e-9);
+/// assert!((person.after(1.5).distance_to(robot) - 2.2).abs() < 1e-9);
+/// # Ok::<(), openbench_motion::ShapeError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {

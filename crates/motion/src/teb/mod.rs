@@ -28,7 +28,7 @@
 //! | via points (2012, equation 7) | sₖ - via |
 //! | preferred side | ∓ωᵢ at the beginning |
 //!
-//! Distances are those of [`crate::shape`], to standing and moving obstacles.
+//! Distances are between outlines of the footprint and of standing and moving obstacles.
 //! Limits are penalties as in 2012, equation 6, of the second order and without a margin before
 //! them.
 //!

@@ -21,7 +21,6 @@ impl<'a, T: Copy> Chain<'a, T> {
     }
 
     /// The number of items: two or more.
-    #[expect(clippy::len_without_is_empty, reason = "there are two at least")]
     pub(crate) fn len(&self) -> usize {
         self.between.len() + 2
     }

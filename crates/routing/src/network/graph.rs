@@ -37,10 +37,9 @@ pub struct Restriction {
     pub via: i64,
     /// The way after the turn.
     pub to: i64,
-    /// Index of its tags among [`Network::restriction_tags`].
+    /// Index of its tags among those of all restrictions.
     pub tags: u32,
-    /// How many ways are in between. Those of all restrictions follow one another in
-    /// [`Network::via_ways`].
+    /// How many ways are in between. Those of all restrictions follow one another in one column.
     pub ways: u32,
 }
 

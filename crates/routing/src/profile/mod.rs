@@ -21,7 +21,7 @@ use openbench_osm::Tags;
 pub(crate) use node::Passing;
 pub use rules::OutOfRange;
 pub(crate) use rules::{Places, Turns};
-pub(crate) use way::Travel;
+pub use way::Travel;
 pub(crate) use way::{CROSSING, TIMETABLE};
 
 use rules::Rules;

@@ -74,7 +74,7 @@ impl Access {
 impl Profile {
     /// How ways with these tags are travelled, along their nodes and against them; `None` where a
     /// direction is closed.
-    pub(crate) fn way(&self, tags: &Tags) -> [Option<Travel>; 2] {
+    pub fn way(&self, tags: &Tags) -> [Option<Travel>; 2] {
         let crossing_only = tags.has(CROSSING) && self.places() == Places::Outline;
         if crossing_only || listed(&self.rules.ways.closed, tags) {
             return [None; 2];

@@ -13,11 +13,11 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`occupancy`] | [`Occupancy`]: the grid |
-//! | [`description`] | [`Description`]: the `.yaml` file |
-//! | [`pixels`] | [`decode`]: the image |
-//! | [`files`] | [`read`] and [`write()`] |
-//! | [`error`] | [`MapServerError`] |
+//! | `occupancy` | [`Occupancy`]: the grid |
+//! | `description` | [`Description`]: the `.yaml` file |
+//! | `pixels` | [`decode`]: the image |
+//! | `files` | [`read`] and [`write()`] |
+//! | `error` | [`MapServerError`] |
 
 mod description;
 mod error;
