@@ -1,6 +1,6 @@
 #![doc = include_str!("../README.md")]
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | [`border`] | [`Border`]: from the briefing's frame to one with its origin near the start |
 //! | [`open`] | [`Open`]: plan, drive, explore, read plates, deliver, remember |

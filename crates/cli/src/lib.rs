@@ -4,7 +4,7 @@
 //! passes it to [`main_with`] in [`Extensions`]: every command then knows it beside the built-in
 //! ones.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | [`args`] | what can be written on the command line |
 //! | [`commands`] | one file a command |

@@ -87,7 +87,7 @@ mod tests {
         let text = with_causes(&Outer(cause));
         assert_eq!(
             text,
-            "motion=zigzag: there is no local planner `zigzag`; there are teb"
+            "motion=zigzag: there is no local planner `zigzag`; known: teb"
         );
     }
 }

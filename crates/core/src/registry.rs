@@ -20,7 +20,7 @@ use std::fmt;
 /// assert_eq!((found.entry.part, found.argument), ("Dear", "Ada"));
 ///
 /// let error = greetings.get("howdy").unwrap_err();
-/// assert_eq!(error.to_string(), "there is no greeting `howdy`; there are hello, dear:NAME");
+/// assert_eq!(error.to_string(), "there is no greeting `howdy`; known: hello, dear:NAME");
 /// # Ok::<(), openbench_core::UnknownName>(())
 /// ```
 #[derive(Clone)]
@@ -65,7 +65,7 @@ impl fmt::Display for UnknownName {
         let known = self.known.join(", ");
         write!(
             f,
-            "there is no {} `{}`; there are {known}",
+            "there is no {} `{}`; known: {known}",
             self.kind, self.name
         )
     }
@@ -289,7 +289,7 @@ mod tests {
     #[test]
     fn an_argument_that_a_part_does_not_take_is_refused() {
         let error = letters().find("a:x").unwrap_err().to_string();
-        assert_eq!(error, "there is no letter `a:x`; there are a, b:FILE, c");
+        assert_eq!(error, "there is no letter `a:x`; known: a, b:FILE, c");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! ## Modules
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `scene` | [`Scene`] and [`SceneBuilder`]: triangles with materials, solid surfaces, doors |
 //! | `material` | [`Material`], [`Texture`], [`SemanticClass`] |

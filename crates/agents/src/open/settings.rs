@@ -86,7 +86,7 @@ impl Default for Settings {
 #[non_exhaustive]
 pub enum SettingsError {
     /// There is no such key.
-    #[error("there is no setting `{key}`; there are {}", KEYS.join(", "))]
+    #[error("there is no setting `{key}`; known: {}", KEYS.join(", "))]
     UnknownKey {
         /// What was written.
         key: String,

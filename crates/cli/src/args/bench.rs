@@ -239,7 +239,8 @@ pub struct BenchSimArgs {
     /// Folder with the models that `model://` names; may be repeated
     #[arg(long)]
     pub models: Vec<PathBuf>,
-    /// Georeference of the world
+    /// Georeference of the world: UTM zone, and the metres that are added to easting and northing,
+    /// such as utm:50N,-500000,-4483000
     #[arg(long)]
     pub georef: Option<String>,
     /// Number of pedestrians

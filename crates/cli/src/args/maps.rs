@@ -119,7 +119,8 @@ pub struct CutArgs {
         value_parser = window
     )]
     pub bbox: Option<openbench_osm::Window>,
-    /// Georeference of the map [default: UTM around its middle]
+    /// Georeference of the map: UTM zone, and the metres that are added to easting and northing,
+    /// such as utm:50N,-500000,-4483000 [default: UTM around its middle]
     #[arg(long)]
     pub georef: Option<openbench_core::Georeference>,
 }

@@ -73,7 +73,8 @@ pub struct RunArgs {
         conflicts_with = "deliveries"
     )]
     pub draw: Option<Vec<usize>>,
-    /// Georeference of the world, such as utm:50N,-500000,-4483000
+    /// Georeference of the world: UTM zone, and the metres that are added to easting and northing,
+    /// such as utm:50N,-500000,-4483000
     #[arg(long, requires = "world")]
     pub georef: Option<String>,
 }

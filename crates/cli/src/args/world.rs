@@ -90,7 +90,8 @@ pub struct ImportArgs {
     /// Folder with the models that `model://` names; may be repeated
     #[arg(long)]
     pub models: Vec<PathBuf>,
-    /// Georeference of the world [default: UTM around the middle of the map]
+    /// Georeference of the world: UTM zone, and the metres that are added to easting and northing,
+    /// such as utm:50N,-500000,-4483000 [default: UTM around the middle of the map]
     #[arg(long)]
     pub georef: Option<openbench_core::Georeference>,
     /// Start pose, metres and degrees in the world's frame [default: its origin, or in front of a
@@ -146,7 +147,8 @@ pub struct ShowArgs {
     /// Folder with the models that `model://` names; may be repeated
     #[arg(long)]
     pub models: Vec<PathBuf>,
-    /// Georeference of the world
+    /// Georeference of the world: UTM zone, and the metres that are added to easting and northing,
+    /// such as utm:50N,-500000,-4483000
     #[arg(long)]
     pub georef: Option<String>,
     /// Pose of the robot whose camera view is rendered, metres and degrees [default: from above]

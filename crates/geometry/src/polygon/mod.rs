@@ -3,7 +3,7 @@
 //! One algorithm a file. Rings are taken as they are; where a ring crosses itself, the even-odd
 //! rule decides what is inside.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `shape` | [`Polygon`]: an outline with holes |
 //! | `ring` | rings in a given orientation, without repeated points |

@@ -4,7 +4,7 @@
 //! One ray and sixteen rays do the same arithmetic lane by lane, so both give the same distances.
 //! The same holds for every instruction set: no operation is fused or approximate.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `branchless` | comparisons and choices without a branch |
 //! | `bounds` | boxes in space |

@@ -17,7 +17,7 @@
 //! A new kind of thing is a new file in the folder in which a reader looks for it, and a line in
 //! the list `FIXED` or `PLACED`. If it draws random numbers, it also gets a `Purpose` in `seeds`.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `options`, `error`, `builtin` | settings; why there is no world; the worlds of the crate |
 //! | `inputs`, `output` | what generators read, and what they build |

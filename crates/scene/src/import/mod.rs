@@ -5,7 +5,7 @@
 //! 1, 2, …, and thereby doors. Everything is static: joints, physics, sensors, plugins and actors
 //! are left out. Visible things that are not supported are counted in [`World::warnings`].
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `xml`, `error`, `warnings` | reading with limits; errors; what is skipped |
 //! | `sdf`, `read`, `frames`, `state`, `shape`, `sun` | the world as SDF has it |

@@ -1,6 +1,6 @@
 //! `openbench odometry`: where a recorded log's sensors went.
 //!
-//! | module | its one job |
+//! | module | contents |
 //! |---|---|
 //! | `bag` | the files of a log |
 //! | `sensors` | what the sensors are like |

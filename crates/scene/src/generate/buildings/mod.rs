@@ -1,6 +1,6 @@
 //! Buildings: walls, roofs, parts and doors, each in the look that was designed for it.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `house` | the look of a building, from its tags and the seed |
 //! | `walls` | the straight walls of a building |

@@ -1,6 +1,6 @@
 //! Doors: where they are, their addresses, and how they look.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `doorway` | a door in a wall |
 //! | `entrances` | places of the doors |

@@ -1,6 +1,6 @@
 //! Street furniture.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `mapped` | furniture at the map's nodes: lamps, benches, hydrants |
 //! | `bins` | wheelie bins at the walls of houses |

@@ -1,6 +1,6 @@
 //! Trees, shrubs and hedges.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `tree` | one tree |
 //! | `ball` | dented balls: crowns and shrubs |

@@ -1,6 +1,6 @@
 //! The ground, and the view beyond it.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `terrain` | the ground, cut out where the sea is |
 //! | `horizon` | hills or the sea far beyond the map |

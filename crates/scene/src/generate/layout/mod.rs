@@ -1,6 +1,6 @@
 //! Where things are, and which ground is free for more.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `extent` | the rectangle that a world covers |
 //! | `features` | tagged nodes and rows of trees |

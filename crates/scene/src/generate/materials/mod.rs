@@ -1,6 +1,6 @@
 //! The materials of a world, and their procedural textures.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `palette` | all materials of a world |
 //! | `images` | textures of walls, roofs and grounds |

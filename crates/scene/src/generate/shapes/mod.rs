@@ -1,6 +1,6 @@
 //! The shapes that things are built of, with texture coordinates in metres.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `surface` | surfaces of materials, and points at a height |
 //! | `upright` | vertical rectangles over a line: walls, fitted images, fences |

@@ -1,6 +1,6 @@
 //! Streets and paths, and what is on them.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `profile` | the cross section of a road, from its tags |
 //! | `roads` | carriageways, pavements, paths |

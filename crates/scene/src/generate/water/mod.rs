@@ -1,6 +1,6 @@
 //! Water, and the walls that keep a robot out of it.
 //!
-//! | file | its one job |
+//! | file | contents |
 //! |---|---|
 //! | `coast` | the sea beside coastlines |
 //! | `open_water` | which of the map's areas are open water |
