@@ -1,6 +1,7 @@
 //! The look of a building: what the map says of it, and what the seed draws of the rest.
 
 use openbench_core::MapPoint;
+use openbench_geometry::signed_area;
 use openbench_osm::{Building, Tags};
 use rand_pcg::Pcg64Mcg;
 
@@ -9,7 +10,6 @@ use crate::generate::materials::openings::SHUTTERED_WIDTHS;
 use crate::generate::materials::palette::Palette;
 use crate::generate::seeds::{between, chance, pick};
 use crate::generate::shapes::Surface;
-use crate::generate::shapes::rings::signed_area;
 use crate::generate::streets::profile::metres;
 use crate::material::MaterialId;
 

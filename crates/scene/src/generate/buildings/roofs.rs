@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::{MapPoint, Pose2};
-use openbench_geometry::{Polygon, Segment, sides};
+use openbench_geometry::{Polygon, Segment, sides, signed_area};
 use rand_pcg::Pcg64Mcg;
 
 use super::house::{House, PARAPET_M, RELIEF_M, Roof};
@@ -10,7 +10,7 @@ use super::pitched::{OVERHANG_M, Span};
 use crate::generate::inputs::Inputs;
 use crate::generate::output::Output;
 use crate::generate::seeds::{between, chance};
-use crate::generate::shapes::rings::{inset, signed_area};
+use crate::generate::shapes::rings::inset;
 use crate::generate::shapes::{Block, Surface, at, cuboid, facet, floor, panel};
 use crate::material::MaterialId;
 use crate::scene::{Corner, Layer, SceneBuilder};

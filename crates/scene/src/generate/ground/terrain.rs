@@ -2,13 +2,12 @@
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::MapPoint;
-use openbench_geometry::{Bounds, Polygon, turn};
+use openbench_geometry::{Bounds, Polygon, signed_area, turn};
 
 use crate::beyond::{Rectangle, beyond};
 use crate::generate::inputs::Inputs;
 use crate::generate::layout::extent::GROUND_MARGIN_M;
 use crate::generate::output::Output;
-use crate::generate::shapes::rings::signed_area;
 use crate::generate::shapes::{Surface, at, floor};
 use crate::generate::water::coast::SEA_LEVEL_M;
 use crate::material::SemanticClass;

@@ -1,8 +1,7 @@
-//! Closed rings moved inwards, and the area that a ring encloses.
+//! Closed rings moved inwards.
 
 use openbench_core::MapPoint;
 use openbench_geometry::line::parallel;
-use openbench_geometry::turn;
 
 /// A closed ring moved `inset` metres to its left: inwards for an outline, outwards for a hole seen
 /// from the building. `None` if an edge would be reversed.
@@ -20,16 +19,10 @@ pub(crate) fn inset(ring: &[MapPoint], inset: f64) -> Option<Vec<MapPoint>> {
     (0..n).all(keeps_direction).then_some(moved)
 }
 
-/// Sum of signed areas about the origin, m²; positive for a counter-clockwise ring.
-pub(crate) fn signed_area(ring: &[MapPoint]) -> f64 {
-    let origin = MapPoint::default();
-    (0..ring.len())
-        .map(|i| turn(origin, ring[i], ring[(i + 1) % ring.len()]) / 2.0)
-        .sum()
-}
-
 #[cfg(test)]
 mod tests {
+    use openbench_geometry::signed_area;
+
     use super::*;
 
     #[test]

@@ -5,11 +5,11 @@ use std::ops::Range;
 
 use nalgebra::Point3;
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::signed_area;
 use rand_pcg::Pcg64Mcg;
 
 use crate::generate::materials::palette::{PAINTS, Palette};
 use crate::generate::seeds::pick;
-use crate::generate::shapes::rings::signed_area;
 use crate::generate::shapes::{Block, Surface, at, cuboid, facet};
 use crate::material::{Material, SemanticClass};
 use crate::scene::{Corner, Layer, Scene, SceneBuilder};

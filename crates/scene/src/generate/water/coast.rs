@@ -7,10 +7,8 @@
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
-use openbench_geometry::{Bounds, Polygon, segments};
+use openbench_geometry::{Bounds, Polygon, segments, signed_area};
 use openbench_osm::{OsmData, OsmMap};
-
-use crate::generate::shapes::rings::signed_area;
 
 /// Height of the sea, metres.
 pub(crate) const SEA_LEVEL_M: f64 = -0.5;
