@@ -47,6 +47,8 @@ impl Border {
         if start.distance(MapPoint::default()) <= NEAR_M {
             return (Self::default(), briefing.clone());
         }
+        // The same projection with its origin near the start. A frame's coordinates are those of
+        // the projection plus its offset, so the difference of the offsets is the shift.
         let georeference = briefing.georeference.about(start);
         let (outer, inner) = (briefing.georeference.offset(), georeference.offset());
         let border = Self {
@@ -136,6 +138,8 @@ impl Border {
                 address,
                 position: self.outwards(position),
             },
+            // Without coordinates. The match names all variants, so that an event with a position
+            // that is added later does not pass through untranslated.
             Event::Plan(_) | Event::Task(_) | Event::Models(_) | Event::Note(_) => event,
         }
     }

@@ -51,6 +51,8 @@ pub fn png(image: &Image) -> Result<Vec<u8>, ImageError> {
 /// # Errors
 /// Pixels that do not match the size.
 pub fn grey16_png(width: u32, height: u32, pixels: &[u16]) -> Result<Vec<u8>, ImageError> {
+    // `write_image` takes samples in the byte order of this machine. The encoder converts them to
+    // that of PNG.
     let native: Vec<u8> = pixels.iter().flat_map(|p| p.to_ne_bytes()).collect();
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes).write_image(&native, width, height, ExtendedColorType::L16)?;

@@ -193,6 +193,7 @@ impl Extensions {
     {
         self.check(self.added_planners.kind(), name, Arguments::None);
         let entry = planner_entry(name, about, make);
+        // In both: OPEN takes the planner from its parts, and `bench motion` from the added ones.
         self.added_planners = self.added_planners.with_entry(entry.clone());
         self.parts.local_planners = self.parts.local_planners.with_entry(entry);
         self
@@ -209,6 +210,7 @@ impl Extensions {
 
     /// All agents, OPEN among them.
     pub(crate) fn agents(&self) -> Agents {
+        // Made on request, when all parts have been added.
         let open: Arc<dyn AgentFactory> = Arc::new(OpenFactory::new(self.parts.clone()));
         self.agents
             .clone()
@@ -227,6 +229,7 @@ impl Extensions {
 
     /// Keeps the error of a name that cannot be used, if it is the first.
     fn check(&mut self, kind: &'static str, name: &str, arguments: Arguments) {
+        // Builder methods return `Self`, so the error waits until `checked` is called.
         if self.refused.is_none() {
             self.refused = refusal(kind, name, arguments);
         }

@@ -74,6 +74,7 @@ fn values(choices: &Choices) -> Vec<String> {
     let Choices {
         values, default, ..
     } = choices;
+    // A setting may list the form of its values only, among which the default is not.
     if values.contains(default) {
         values.iter().map(|value| marked(value, default)).collect()
     } else {

@@ -44,6 +44,7 @@ pub fn main_with(extensions: Extensions) -> ExitCode {
         .with_env_filter(filter)
         .without_time()
         .init();
+    // Before the extensions are checked, so that --help works even if a name is refused.
     let matches = help::command(&extensions).try_get_matches();
     let args = match matches.and_then(|matches| Args::from_arg_matches(&matches)) {
         Ok(args) => args,

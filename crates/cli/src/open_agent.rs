@@ -71,6 +71,7 @@ impl AgentFactory for OpenFactory {
     fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
         let settings = Settings::parse(request.settings)?;
         let mut models = Models::new(settings.budget, request.exchanges.clone());
+        // For each episode anew, since the true pose and the seed are those of the episode.
         let catalogue = with_truth(self.catalogue.clone(), &request.truth, request.seed);
         let parts = catalogue.assemble(&settings, &mut models, request.memory.cloned())?;
         Ok(Box::new(Open::new(parts)))
@@ -123,6 +124,7 @@ fn recording(word: &str) -> Option<PathBuf> {
 
 /// The catalogue with the parts that know the truth: yardsticks, which the results name.
 fn with_truth(mut catalogue: Catalogue, truth: &TruthHandle, seed: u64) -> Catalogue {
+    // Each closure owns a handle. All handles lead to the same poses.
     let handle = truth.clone();
     catalogue.localizers = catalogue.localizers.with(
         TRUE_POSE,

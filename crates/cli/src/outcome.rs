@@ -18,7 +18,7 @@ pub enum Outcome {
 
 /// What clap says about a command line; `--help` and `--version` are no errors.
 pub fn usage(error: &clap::Error) -> ExitCode {
-    // Nothing is left to say it to if the terminal is gone.
+    // If the terminal is closed, there is nobody to tell.
     let _ = error.print();
     if error.use_stderr() {
         ExitCode::from(2)
@@ -34,6 +34,7 @@ pub fn exit(result: anyhow::Result<Outcome>) -> ExitCode {
         Ok(Outcome::Problem) => ExitCode::from(1),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
+            // Not `eprintln!`, which panics if stderr cannot be written.
             let _ = writeln!(io::stderr(), "openbench: {}", with_causes(error.as_ref()));
             ExitCode::from(if is_failed_run(&error) { 1 } else { 2 })
         }
@@ -41,6 +42,7 @@ pub fn exit(result: anyhow::Result<Outcome>) -> ExitCode {
 }
 
 fn is_failed_run(error: &anyhow::Error) -> bool {
+    // A replay that differs, or a log that cannot be written. Other errors are of usage or input.
     matches!(
         error.downcast_ref(),
         Some(BenchError::Differs { .. } | BenchError::Log(_))
@@ -69,5 +71,6 @@ pub fn say_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
 
 /// Writes a message for people to stderr.
 pub fn tell(message: &str) {
+    // Not `eprintln!`, which panics if stderr cannot be written.
     let _ = writeln!(io::stderr(), "{message}");
 }

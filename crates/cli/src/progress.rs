@@ -36,6 +36,7 @@ impl PullProgress {
                 received_bytes,
                 total_bytes,
             } => {
+                // The first progress of a file announces it.
                 let bar = self.bar.get_or_insert_with(|| {
                     tell(&format!(
                         "fetching {name}, {:.0} MB",

@@ -112,6 +112,7 @@ pub struct Observation<'a> {
 
 impl fmt::Debug for Observation<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Counts instead of samples: a scan has thousands of points. A camera would have to render.
         f.debug_struct("Observation")
             .field("time", &self.time)
             .field("imu", &self.imu.len())

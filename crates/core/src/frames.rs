@@ -135,6 +135,7 @@ impl Pose2 {
     /// The horizontal part of `pose`.
     pub fn from_pose3(pose: &Pose3) -> Self {
         let t = &pose.translation.vector;
+        // The heading is the direction of the x axis seen from above, whatever the tilt.
         let x_axis = pose.rotation * nalgebra::Vector3::x();
         Self::new(t.x, t.y, libm::atan2(x_axis.y, x_axis.x))
     }
@@ -144,6 +145,7 @@ impl Pose2 {
 pub fn wrap_angle(angle: f64) -> f64 {
     let turns = libm::round(angle / std::f64::consts::TAU);
     let wrapped = angle - turns * std::f64::consts::TAU;
+    // Rounding to the nearest turn leaves [-pi, pi]; -pi itself is pi.
     if wrapped <= -std::f64::consts::PI {
         wrapped + std::f64::consts::TAU
     } else {
@@ -254,6 +256,7 @@ impl Georeference {
         /// Easting of UTM's central meridian, metres.
         const CENTRAL_EASTING_M: f64 = 500_000.0;
         let offset = self.offset();
+        // Without the false origin, for example UTM's own easting and northing.
         let plane = MapPoint::new(point.x - offset.x, point.y - offset.y);
         match self {
             Self::Utm { .. } => (plane.x - CENTRAL_EASTING_M).abs(),
@@ -290,6 +293,7 @@ fn parse_georeference(text: &str) -> Option<Georeference> {
                 'S' => false,
                 _ => return None,
             };
+            // The last character is `N` or `S`, one byte, so the cut is between characters.
             let zone: u8 = zone[..zone.len() - 1]
                 .parse()
                 .ok()
@@ -308,6 +312,7 @@ fn parse_georeference(text: &str) -> Option<Georeference> {
                 [x, y] => (number(x)?, number(y)?),
                 _ => return None,
             };
+            // At a pole east and north have no direction, so the plane would have no axes.
             let on_earth = at.lon.abs() <= 180.0 && at.lat.abs() < 90.0;
             on_earth.then_some(Georeference::TangentPlane {
                 at,
@@ -334,6 +339,7 @@ impl fmt::Display for Georeference {
                     if *north { 'N' } else { 'S' }
                 )
             }
+            // The short form without an offset, which reads back as the same.
             Self::TangentPlane {
                 at,
                 offset_x: 0.0,

@@ -140,6 +140,7 @@ impl<P> Registry<P> {
         let known = self
             .entries
             .iter_mut()
+            // By word, since `replay:FILE` and `replay` are found by the same text.
             .find(|known| known.word() == entry.word());
         match known {
             Some(known) => *known = entry,
@@ -191,6 +192,7 @@ impl<P> Registry<P> {
         let mut names = Vec::new();
         let mut start = 0;
         for (at, _) in list.match_indices(',') {
+            // Otherwise the comma belongs to the argument before it.
             if self.begins(&list[at + 1..]) {
                 names.push(list[start..at].trim());
                 start = at + 1;

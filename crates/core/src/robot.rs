@@ -67,12 +67,14 @@ impl RobotDescription {
             max_backward: 0.2,
             max_turn: 1.0,
             max_acceleration: 1.0,
+            // Each height is the wheel's radius plus the height above the middle of the chassis.
             imu: at(0.12, 0.06 + 0.125),
             lidar: at(0.12, 0.06 + 0.175),
             camera: at(0.15, 0.06 + 0.2),
             camera_intrinsics: CameraIntrinsics {
                 width: 640,
                 height: 480,
+                // 80 degrees.
                 horizontal_fov: 1.3963,
             },
             gnss: None,

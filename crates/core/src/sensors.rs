@@ -95,6 +95,7 @@ pub struct CameraIntrinsics {
 impl CameraIntrinsics {
     /// Focal length in pixels, the same for both axes.
     pub fn focal_length(&self) -> f64 {
+        // Half of the width is seen under half of the field of view.
         self.width as f64 / 2.0 / libm::tan(self.horizontal_fov / 2.0)
     }
 
@@ -113,10 +114,12 @@ impl CameraIntrinsics {
     /// outside the image.
     pub fn project(&self, point: [f64; 3]) -> Option<(f64, f64)> {
         let [x, y, z] = point;
+        // In the plane of the camera too, where the quotient would be huge or undefined.
         if x <= 1e-6 {
             return None;
         }
         let f = self.focal_length();
+        // Pixels count to the right and down, `camera_link` to the left and up.
         let (u, v) = (
             self.width as f64 / 2.0 - f * y / x,
             self.height as f64 / 2.0 - f * z / x,

@@ -35,6 +35,7 @@ impl SimTime {
 impl Add<Duration> for SimTime {
     type Output = Self;
     fn add(self, rhs: Duration) -> Self {
+        // A `Duration` may be longer than 2^64 ns, some 584 years. Then the end of time counts.
         let nanos = u64::try_from(rhs.as_nanos()).unwrap_or(u64::MAX);
         Self(self.0.saturating_add(nanos))
     }

@@ -104,6 +104,7 @@ impl Bounds {
     /// New Concept and Method for Line Clipping*, 1984).
     pub fn clip(&self, Segment { start: a, end: b }: Segment) -> Option<Range<f64>> {
         let (dx, dy) = (b.x - a.x, b.y - a.y);
+        // The segment at share t is inside an edge while t * leaving <= room.
         let edges = [
             Edge::new(-dx, a.x - self.low.x),
             Edge::new(dx, self.high.x - a.x),
@@ -112,9 +113,11 @@ impl Bounds {
         ];
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
         for Edge { leaving, room } in edges {
+            // Parallel to the edge and beyond it.
             if leaving == 0.0 && room < 0.0 {
                 return None;
             }
+            // Inwards: inside from that share on. Outwards: inside up to it.
             if leaving < 0.0 {
                 from = from.max(room / leaving);
             } else if leaving > 0.0 {

@@ -50,10 +50,12 @@ pub fn parallel(line: &[MapPoint], offset: f64) -> Vec<MapPoint> {
     let n = line.len();
     (0..n)
         .map(|i| {
+            // Ends have one neighbour, whose normal counts twice.
             let before = (i > 0).then(|| Normal::of(line[i - 1], line[i]));
             let after = (i + 1 < n).then(|| Normal::of(line[i], line[i + 1]));
             let a = before.or(after).unwrap_or(Normal::NORTH);
             let b = after.or(before).unwrap_or(Normal::NORTH);
+            // The mitre is (a + b) * offset / (1 + a . b): its share along each normal is `offset`.
             let scale = offset / (1.0 + a.x * b.x + a.y * b.y).max(LEAST_MITRE);
             MapPoint::new(
                 line[i].x + (a.x + b.x) * scale,

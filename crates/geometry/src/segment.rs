@@ -134,6 +134,8 @@ impl Segment {
         if self.crosses(other) {
             return 0.0;
         }
+        // Segments that do not cross are nearest at an end of one of them. Touching ones have an
+        // end on the other, at distance 0.
         let ends = [
             other.distance_to_point(self.start),
             other.distance_to_point(self.end),
@@ -164,10 +166,13 @@ impl Segment {
     /// Where `other` crosses or touches this segment.
     pub fn crossing(self, other: Self) -> Option<Crossing> {
         let (Self { start: a, end: b }, Self { start: c, end: d }) = (self, other);
+        // Signed distances of both ends from the line of `other`, times its length. The crossing
+        // divides this segment in their ratio; equal ones mean parallel lines.
         let (from, to) = (turn(c, d, a), turn(c, d, b));
         let touches = from * to <= 0.0 && turn(a, b, c) * turn(a, b, d) <= 0.0 && from != to;
         touches.then(|| Crossing {
             share: from / (from - to),
+            // `from - to` is the cross product of both directions, |self| |other| sine.
             sine: (from - to).abs() / (self.length() * other.length()).max(1e-9),
         })
     }
@@ -181,6 +186,7 @@ pub fn segments(line: &[MapPoint]) -> impl Iterator<Item = Segment> + Clone + '_
 /// The sides of a ring whose first point is not repeated at its end.
 #[inline]
 pub fn sides(ring: &[MapPoint]) -> impl Iterator<Item = Segment> + '_ {
+    // The last side leads back to the first point.
     let next = ring.iter().cycle().skip(1);
     ring.iter()
         .zip(next)

@@ -31,6 +31,7 @@ pub(crate) fn shortest(request: &PlanRequest<'_>, stops: &Stops) -> Vec<usize> {
         return best_order(&times, &precedence);
     }
     order_in_time(&times, &precedence, &due)
+        // Not all can be in time, or there are too many stops for the exact search.
         .unwrap_or_else(|| best_order(&times, &sooner_first(precedence, &stops.stops)))
 }
 
@@ -49,6 +50,8 @@ fn due_ms(due: Option<Deadline>) -> Option<u64> {
 pub(crate) fn precedence(stops: &Stops) -> Precedence {
     let mut precedence = Precedence::new(stops.stops.len());
     for order in &stops.before {
+        // An order that would close a circle with those before it is refused, so the first ones
+        // win.
         precedence.add(order.earlier, order.later);
     }
     put_in_order(
@@ -114,6 +117,7 @@ fn put_in_order(
     for earlier in &counting {
         for later in &counting {
             if urgencies[*earlier] < urgencies[*later] {
+                // What the instruction orders was added before and wins over deadlines.
                 precedence.add(*earlier, *later);
             }
         }
@@ -152,6 +156,8 @@ pub(crate) fn travel_times(request: &PlanRequest<'_>, stops: &[Stop]) -> Vec<Vec
     let mut places: Vec<MapPoint> = Vec::new();
     let mut index = vec![Some(place_once(&mut places, request.start))];
     for stop in stops {
+        // A stop with a problem is not driven to, so its place must not change the order of the
+        // others.
         let is_known = stop.problem.is_none();
         let at = is_known
             .then(|| destination(request.map, &stop.address))
@@ -179,9 +185,12 @@ impl TimeMatrix {
     /// Milliseconds between two places, either of which the map may lack.
     fn time(&self, from: Option<usize>, to: Option<usize>) -> u64 {
         match (from, to) {
+            // Not from the router: stops at one place have exactly no time between them, which
+            // makes them a group.
             (Some(from), Some(to)) if from == to => 0,
             (Some(from), Some(to)) => self
                 .seconds
+                // `get`, since the matrix is another crate's and may be too short.
                 .get(from * self.size + to)
                 .map_or(UNKNOWN, |seconds| milliseconds(*seconds)),
             _ => UNKNOWN,
@@ -203,6 +212,7 @@ fn place_once(places: &mut Vec<MapPoint>, place: MapPoint) -> usize {
 fn milliseconds(seconds: f64) -> u64 {
     let is_known = seconds.is_finite() && seconds >= 0.0;
     if is_known {
+        // No known time exceeds that of an unknown route.
         libm::round(seconds * 1000.0).min(UNKNOWN as f64) as u64
     } else {
         UNKNOWN

@@ -87,6 +87,7 @@ impl Gazetteer {
         let mut gazetteer = Self::default();
         let mut last = None;
         for building in &map.buildings {
+            // Parts of one multipolygon follow each other in the map.
             if last.replace(building.element) == Some(building.element) {
                 continue;
             }
@@ -137,6 +138,8 @@ impl Gazetteer {
             .filter(|alias| alias.has_all(words))
             .collect();
         let said: usize = words.iter().map(|word| word.chars().count()).sum();
+        // The share of the shortest name is the largest: a part is most likely meant for the name
+        // that it makes up most of.
         let shortest = fitting
             .iter()
             .map(|alias| alias.letters.len())
@@ -164,6 +167,7 @@ fn distinct_name(name: &str, building: &Building, map: &OsmMap) -> String {
             },
         )
     };
+    // Only a name that leads back to this building helps.
     let is_its_own = |other: &String| match look_up(other) {
         Location::Building(found) => map.buildings[found].element == building.element,
         _ => false,
@@ -173,6 +177,7 @@ fn distinct_name(name: &str, building: &Building, map: &OsmMap) -> String {
     }
     let others = street_and_number(&building.tags)
         .into_iter()
+        // The address first: it says where the building is.
         .chain(aliases(name, &building.tags));
     others
         .into_iter()
@@ -181,6 +186,7 @@ fn distinct_name(name: &str, building: &Building, map: &OsmMap) -> String {
 }
 
 fn push_once(list: &mut Vec<usize>, place: usize) {
+    // Places are added one after the other, so an equal one can only be the last.
     if list.last() != Some(&place) {
         list.push(place);
     }
@@ -235,6 +241,7 @@ fn street_and_number(tags: &Tags) -> Vec<String> {
 }
 
 fn is_language(suffix: &str) -> bool {
+    // `name:de` and `name:zh-Hant`, but not `name:etymology` or `name:left`.
     let code = suffix.split(['-', '_']).next().unwrap_or_default();
     matches!(code.len(), 2 | 3) && code.bytes().all(|b| b.is_ascii_lowercase())
 }

@@ -39,9 +39,12 @@ impl Precedence {
         if a >= count || b >= count || a == b || self.earlier[a][b] {
             return false;
         }
+        // Already so, directly or by other stops.
         if self.earlier[b][a] {
             return true;
         }
+        // The relation is kept transitive: all that come before `a`, and `a`, come before `b` and
+        // all that follow it. So one look tells whether an order would close a circle.
         let ancestors: Vec<usize> = (0..count)
             .filter(|i| *i == a || self.earlier[a][*i])
             .collect();
@@ -69,6 +72,8 @@ impl Precedence {
         let mut coarse = Self::new(groups.len());
         for (b, later) in groups.iter().enumerate() {
             for (a, earlier) in groups.iter().enumerate().filter(|(a, _)| *a != b) {
+                // Orders between stops have no circle, but those between groups may: A1 before B, B
+                // before A2.
                 if self.orders(earlier, later) && !coarse.add(a, b) {
                     return None;
                 }
@@ -102,6 +107,9 @@ pub(crate) fn best_order(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usi
     let count = times.len().saturating_sub(1);
     let groups = groups(times);
     match precedence.of_groups(&groups) {
+        // Stops at one place are visited together and count as one, which keeps more instructions
+        // within the exact limit. Where the sender's order parts them, all stops count by
+        // themselves.
         Some(coarse) if groups.len() < count => {
             let order = places_in_order(&times_of_groups(times, &groups), &coarse);
             order
@@ -166,7 +174,10 @@ pub(crate) fn order_in_time(
     let earlier = precedence.masks();
     // By the stops that are visited and the last of them.
     let mut soonest = vec![vec![Soonest::NEVER; count + 1]; all + 1];
+    // `at` 0 is the start, and stop `i` is at `i + 1`.
     soonest[0][0] = Soonest { time: 0, order: 0 };
+    // A larger set has a larger mask, so all that lead to a set come before it. With deadlines the
+    // search runs from the start, since only from there the time of arrival is known.
     for visited in 0..all {
         for at in 0..=count {
             let now = soonest[visited][at];
@@ -175,9 +186,14 @@ pub(crate) fn order_in_time(
             }
             for next in (0..count).filter(|next| may_follow(&earlier, visited, *next)) {
                 let time = now.time.saturating_add(times[at][next + 1]);
+                // Only the soonest arrival at each pair of set and last stop is kept: from there it
+                // meets every deadline that a later one meets.
                 if due[next].is_none_or(|due| time <= due) {
                     let then = Soonest {
                         time,
+                        // The next stop takes the lowest four bits and moves the earlier ones up.
+                        // So of equal times the minimum is the order that is smallest as a
+                        // sequence, nearest to the instruction's.
                         order: now.order << 4 | next as u64,
                     };
                     let known = &mut soonest[visited | 1 << next][next + 1];
@@ -197,6 +213,8 @@ fn groups(times: &[Vec<u64>]) -> Vec<Vec<usize>> {
         let group = groups.iter_mut().find(|group| {
             group
                 .iter()
+                // With all of the group, since no time from A to B and from B to C need not mean
+                // none from A to C.
                 .all(|other| are_at_one_place(times, *other, stop))
         });
         match group {
@@ -228,6 +246,7 @@ fn within(group: &[usize], precedence: &Precedence) -> Vec<usize> {
 }
 
 fn places_in_order(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
+    // Row and column 0 are the start.
     if times.len() <= EXACT + 1 {
         exact(times, precedence)
     } else {
@@ -243,6 +262,9 @@ fn exact(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
     let earlier = precedence.masks();
     let mut rest = vec![vec![u64::MAX; count + 1]; all + 1];
     rest[all].fill(0);
+    // From the full set down: `rest` of a larger set is known when a smaller one needs it. From the
+    // end, so that the order can then be read off from the start, the instruction's first choice at
+    // each step.
     for visited in (0..all).rev() {
         for at in 0..=count {
             rest[visited][at] = (0..count)
@@ -271,6 +293,8 @@ fn exact(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
 
 /// The shortest time through all that is not yet visited if stop `next` comes next.
 fn time_by(times: &[Vec<u64>], rest: &[Vec<u64>], visited: usize, at: usize, next: usize) -> u64 {
+    // Saturating below: `u64::MAX` stands for no allowed order, and the sum must not wrap to a
+    // short one.
     let behind = rest[visited | 1 << next][next + 1];
     times[at][next + 1].saturating_add(behind)
 }
@@ -297,6 +321,7 @@ fn nearest_first(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
     while order.len() < count {
         let at = order.last().map_or(0, |stop: &usize| stop + 1);
         let next = (0..count)
+            // Without a circle some stop is always free, so the order becomes complete and allowed.
             .filter(|stop| !done[*stop] && !waits(&precedence.earlier[*stop], &done))
             .min_by_key(|stop| times[at][stop + 1]);
         let Some(next) = next else { break };
@@ -327,6 +352,8 @@ fn improved(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
                     keep_if_shorter(times, precedence, &mut order, &mut best, changed);
                 }
             }
+            // 2-opt: a piece of at least two stops the other way round. Times may differ by
+            // direction, so its whole length is computed anew.
             for to in from + 2..=order.len() {
                 let mut changed = order.clone();
                 changed[from..to].reverse();
@@ -356,6 +383,7 @@ fn keep_if_shorter(
     changed: Vec<usize>,
 ) {
     let shorter = length(times, &changed);
+    // The cheap test first: most moves are not shorter.
     if shorter < *best && precedence.allows(&changed) {
         *order = changed;
         *best = shorter;

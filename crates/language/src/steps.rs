@@ -60,6 +60,7 @@ fn steps_from_above(map: &OsmMap, address: &Address, levels: &[AddressLevel]) ->
     };
     let known = levels
         .iter()
+        // From the lowest level upwards: the robot navigates as near as the map allows.
         .rev()
         .find(|level| is_located(map, &places, level))
         .map(|level| navigate(&level.name));

@@ -115,6 +115,8 @@ impl DeadReckoning {
         let forward = (left + right) / 2.0 * self.robot.wheel_radius;
         self.bias.predict(dt);
         self.learn_at_rest(imu, left != 0.0 || right != 0.0);
+        // Until the bias is known the robot should stand: what the gyroscope shows then is its
+        // bias.
         let turned = if self.ready {
             (imu.gyro[2] - self.bias.mean) * dt
         } else {

@@ -81,6 +81,7 @@ impl Gnss {
         }
         self.last = Some(fix.stamp);
         let deviation = deviation(fix);
+        // One fix in ten seconds counts, and all fixes of half an hour count as one together.
         let information = 1.0 / (deviation * deviation) * REFLECTION_S / SLOW_ERROR_S;
         // The heading is not measured; it only says where the antenna is.
         let rotation = UnitComplex::new(near.yaw);

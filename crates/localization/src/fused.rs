@@ -111,8 +111,10 @@ impl Fused {
         }
         let at_fix = isometry(self.odometry.pose_at(fix.stamp));
         let motion = at_fix.inverse() * isometry(key.odom);
+        // An error of the key pose, in its own frame, is the adjoint times it in the fix's frame.
         let carried = motion.adjoint();
         let information = carried.transpose() * fix.information * carried;
+        // On a copy, since a solution that fails leaves the fix in the window.
         let mut window = self.window.clone();
         window.fix(fix.pose * motion, information, fix.max_deviations);
         if window.settle().is_ok() {
@@ -137,6 +139,8 @@ impl Fused {
         let pending = self.pending_motion();
         let max_distance = MAX_CORRECTION_M_S * seconds;
         let max_turn = MAX_CORRECTION_RAD_S * seconds;
+        // Measured where the robot is. About the origin of `odom`, a small turn would move a
+        // distant robot by metres.
         let shift = pending.xy();
         let distance = shift.norm();
         let shift = if distance > max_distance {
@@ -242,11 +246,14 @@ impl Localizer for Fused {
             covariance: self.odometry.covariance()?,
         };
         let motion = isometry(key.odom).inverse() * isometry(here.odom);
+        // From the frame of the key pose to that of the newest pose.
         let carried = motion.inverse().adjoint();
         let since = information(&key, &here).try_inverse()?;
         let own = carried * self.window.covariance()? * carried.transpose() + since;
         let turn = rotating(self.pose().yaw);
         let pending = self.pending_motion();
+        // What is pending is a known error of the published pose. As an outer product it counts
+        // like one standard deviation.
         Some(turn * own * turn.transpose() + pending * pending.transpose())
     }
 
@@ -271,6 +278,7 @@ fn window(start: Isometry2<f64>) -> Window<Isometry2<f64>, 3> {
 fn information(from: &Key, to: &Key) -> Matrix3<f64> {
     let dx = to.odom.x - from.odom.x;
     let dy = to.odom.y - from.odom.y;
+    // A heading error at `from` displaces `to` by the lever between both.
     let carried = Matrix3::new(1.0, 0.0, -dy, 0.0, 1.0, dx, 0.0, 0.0, 1.0);
     let grown = to.covariance - carried * from.covariance * carried.transpose();
     let turn = rotating(to.odom.yaw);

@@ -38,6 +38,7 @@ impl History {
             self.0.pop_back();
         }
         self.0.push_back(StampedPose { stamp, pose });
+        // The second entry decides: the oldest is needed to interpolate up to it.
         while self.0.len() > 2 && stamp.since(self.0[1].stamp) > MEMORY {
             self.0.pop_front();
         }

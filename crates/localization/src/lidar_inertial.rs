@@ -134,6 +134,8 @@ impl Localizer for LidarInertial {
     }
 
     fn update(&mut self, observation: &Observation<'_>) {
+        // In this order, since the IMU sets off the prediction up to a waiting scan. Velocities
+        // must be there by then.
         for sample in observation.wheels {
             if let Some(speed) = self.wheels.take(sample) {
                 self.odometry.speed(speed);
@@ -146,6 +148,7 @@ impl Localizer for LidarInertial {
         if let Some(scan) = observation.scan {
             estimates.extend(self.odometry.scan(scan.clone()));
         }
+        // Estimates are in the order of their stamps: the last one is the newest.
         if let Some(last) = estimates.pop() {
             let (status, pose, covariance) = (last.status, last.pose, last.covariance);
             self.last = Some(LastEstimate {

@@ -24,6 +24,7 @@ pub(crate) fn hat(v: Vector3<f64>) -> Matrix3<f64> {
 pub(crate) fn right_jacobian(rotation: Vector3<f64>) -> Matrix3<f64> {
     let angle = rotation.norm();
     let hat = hat(rotation);
+    // The quotients below lose all digits for small angles.
     if angle < 1e-4 {
         return Matrix3::identity() - hat * 0.5 + hat * hat / 6.0;
     }
@@ -49,6 +50,7 @@ pub(crate) fn inverse_right_jacobian(rotation: Vector3<f64>) -> Matrix3<f64> {
 /// continuously with vectors that are not along x.
 pub(crate) fn tangent(direction: Vector3<f64>) -> nalgebra::Matrix3x2<f64> {
     let along_x = direction.x.abs() > 0.9 * direction.norm();
+    // Nearly parallel vectors have a cross product of hardly any length.
     let other = if along_x { Vector3::y() } else { Vector3::x() };
     let first = direction.cross(&other).normalize();
     let second = direction.normalize().cross(&first);

@@ -69,6 +69,7 @@ impl Wheels {
         if interval < INTERVAL {
             return None;
         }
+        // Even if the velocity is refused below: the sample before may be the misread one.
         self.last = Some(*sample);
         let angles = [sample.left - last.left, sample.right - last.right];
         let [left, right] = angles.map(|angle| angle * self.radius / interval.as_secs_f64());

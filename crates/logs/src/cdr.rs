@@ -88,6 +88,8 @@ impl CdrWriter {
     }
 
     fn align(&mut self, size: usize) {
+        // Alignment is counted behind the encapsulation header, whose length of 4 would shift
+        // numbers of 8 bytes.
         let position = self.bytes.len() - ENCAPSULATION.len();
         self.bytes
             .resize(ENCAPSULATION.len() + position.next_multiple_of(size), 0);
@@ -161,6 +163,7 @@ impl<'a> CdrReader<'a> {
     pub fn new(bytes: &'a [u8]) -> Result<Self, CdrError> {
         let mut reader = Self { bytes, position: 0 };
         let header = reader.take(ENCAPSULATION.len())?;
+        // The other two bytes are options, which plain CDR does not use.
         if header[..2] != ENCAPSULATION[..2] {
             return Err(CdrError::Encapsulation([header[0], header[1]]));
         }
@@ -177,6 +180,8 @@ impl<'a> CdrReader<'a> {
     }
 
     fn take(&mut self, wanted: usize) -> Result<&'a [u8], CdrError> {
+        // `align` may have moved the position behind the end, hence the `min` below; the slice is
+        // only made if `end` is valid.
         let end = self
             .position
             .checked_add(wanted)
@@ -205,6 +210,8 @@ impl<'a> CdrReader<'a> {
     pub fn count(&mut self, smallest: usize) -> Result<usize, CdrError> {
         let at = self.position;
         let count = self.u32()?;
+        // At least one byte for each element, so that the count bounds the memory. In u64 the
+        // product cannot overflow for sizes of a few bytes.
         let fits = u64::from(count) * smallest.max(1) as u64 <= self.remaining() as u64;
         if fits {
             Ok(count as usize)

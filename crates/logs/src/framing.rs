@@ -36,9 +36,11 @@ pub(crate) enum Next {
 pub(crate) fn next_frame(source: &mut impl Read, offset: &mut u64) -> Result<Next, LogError> {
     let begin = *offset;
     let head = read_up_to(source, HEAD_BYTES as u64, offset)?;
+    // No byte at all: the source ends between two records.
     let [op, length @ ..] = head.as_slice() else {
         return Ok(Next::End);
     };
+    // The source ends inside the length.
     let Ok(length) = <[u8; 8]>::try_from(length) else {
         return Ok(Next::Truncated(Frame {
             op: *op,
@@ -46,6 +48,7 @@ pub(crate) fn next_frame(source: &mut impl Read, offset: &mut u64) -> Result<Nex
         }));
     };
     let bytes = u64::from_le_bytes(length);
+    // Before anything is read: a damaged length would make the rest of the file one record.
     if bytes > LIMIT_BYTES {
         return Err(LogError::TooLarge {
             offset: begin,
@@ -91,6 +94,7 @@ pub(crate) struct Unpacked {
 /// Unpacks a chunk that begins at byte `offset` of the file.
 pub(crate) fn unpack_chunk(chunk: &[u8], offset: u64) -> Unpacked {
     let mut frames = Vec::new();
+    // By reference, so that the records before an error are kept.
     let error = unpack(chunk, offset, &mut frames).err();
     Unpacked { frames, error }
 }
@@ -157,10 +161,12 @@ fn unpack_zstd(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(),
             LinearReadEvent::ReadRequest(wanted) => {
                 let bytes = read_up_to(
                     &mut source,
+                    // Never more than there is: the chunk may declare any length.
                     wanted.min(chunk.len() + HEAD_BYTES) as u64,
                     &mut 0,
                 )?;
                 reader.insert(bytes.len()).copy_from_slice(&bytes);
+                // Zero bytes tell the reader that the source has ended.
                 reader.notify_read(bytes.len());
             }
             LinearReadEvent::Record { data, opcode } => frames.push(Frame {
@@ -202,6 +208,7 @@ impl<'a> ChunkHeader<'a> {
         let compression = fields.text()?;
         let packed = fields.u64()?;
         let records = fields.rest();
+        // A truncated chunk declares more bytes than it has.
         let end = usize::try_from(packed)
             .unwrap_or(usize::MAX)
             .min(records.len());

@@ -36,6 +36,7 @@ impl LoggedMessage {
     /// # Errors
     /// [`LogError::WrongType`], [`LogError::Decode`].
     pub fn decode<M: Message>(&self) -> Result<M, LogError> {
+        // The name alone: definitions of one type may differ, if only in their comments.
         if *self.type_name != *M::DEFINITION.full_name() {
             return Err(LogError::WrongType {
                 topic: self.topic.to_string(),
@@ -113,23 +114,27 @@ impl<R: Read> LogReader<R> {
         topic: &str,
     ) -> impl Iterator<Item = Result<(SimTime, M), LogError>> {
         let wanted = topic.to_owned();
+        // Errors have no topic and pass.
         self.filter(move |m| m.as_ref().map_or(true, |m| *m.topic == *wanted))
             .map(|m| m.and_then(|m| Ok((m.time, m.decode()?))))
     }
 
     /// Reads one record and queues the messages in it.
     fn advance(&mut self) -> Result<(), LogError> {
+        // Errors name where the record begins, not where reading stopped.
         let begin = self.offset;
         match framing::next_frame(&mut self.source, &mut self.offset)? {
             Next::Frame(Frame {
                 op: op::DATA_END | op::FOOTER,
                 ..
+            // Behind the data come the summary and the index, which repeat what was read.
             }) => self.done = true,
             Next::Frame(Frame {
                 op: op::CHUNK,
                 body,
             }) => self.take_chunk(&body, begin)?,
             Next::Frame(frame) => self.take(&frame, begin)?,
+            // A complete file ends with one of the records above.
             Next::End => {
                 return Err(LogError::Truncated {
                     offset: begin,
@@ -140,6 +145,7 @@ impl<R: Read> LogReader<R> {
                 op: op::CHUNK,
                 body,
             }) => {
+                // Its complete records first; `next` returns these messages before the error.
                 self.take_chunk(&body, begin)?;
                 return Err(LogError::Truncated {
                     offset: begin,
@@ -158,6 +164,7 @@ impl<R: Read> LogReader<R> {
 
     fn take_chunk(&mut self, chunk: &[u8], offset: u64) -> Result<(), LogError> {
         let unpacked = framing::unpack_chunk(chunk, offset);
+        // Records before the damage are good, so they are taken before the error is returned.
         for frame in &unpacked.frames {
             self.take(frame, offset)?;
         }
@@ -169,6 +176,8 @@ impl<R: Read> LogReader<R> {
             op::SCHEMA => self.take_schema(Fields(&frame.body)),
             op::CHANNEL => self.take_channel(Fields(&frame.body)),
             op::MESSAGE => return self.take_message(Fields(&frame.body), offset),
+            // The header, indices, statistics, and records of later versions. MCAP lets readers
+            // skip records that they do not know.
             _ => Some(()),
         };
         taken.ok_or_else(|| damaged(offset, "a record is shorter than its fields"))
@@ -182,6 +191,7 @@ impl<R: Read> LogReader<R> {
 
     fn take_channel(&mut self, mut fields: Fields<'_>) -> Option<()> {
         let (id, schema) = (fields.u16()?, fields.u16()?);
+        // Schema 0 means none. Such messages are read, but only `decode` needs the type.
         let type_name = self.schemas.get(&schema).cloned().unwrap_or_default();
         self.channels.insert(
             id,
@@ -245,6 +255,7 @@ impl<R: Read> Iterator for LogReader<R> {
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
+            // Messages before the error, and the error before the end.
             if let Some(message) = self.ready.pop_front() {
                 return Some(Ok(message));
             }

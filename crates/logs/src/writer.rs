@@ -60,6 +60,7 @@ impl<W: Write + Seek> LogWriter<W> {
         time: SimTime,
         message: &M,
     ) -> Result<(), LogError> {
+        // Before encoding: a message of a wrong type leaves no trace.
         let header = self.next_header(topic, time, M::DEFINITION)?;
         self.message.clear();
         message.encode(&mut self.message);
@@ -74,6 +75,7 @@ impl<W: Write + Seek> LogWriter<W> {
         time: SimTime,
         definition: &'static Definition,
     ) -> Result<MessageHeader, LogError> {
+        // Not `entry`: that needs an owned name for each message.
         let open = match self.topics.get_mut(topic) {
             Some(open) => open,
             None => {
@@ -94,6 +96,7 @@ impl<W: Write + Seek> LogWriter<W> {
             });
         }
         let sequence = open.messages;
+        // MCAP stores sequence numbers in 32 bits.
         open.messages = sequence.wrapping_add(1);
         Ok(MessageHeader {
             channel_id: open.channel,
@@ -193,7 +196,9 @@ impl LogFile {
         let buffer = self.log.finish()?;
         buffer
             .into_inner()
+            // `into_inner` writes what is left in the buffer. Dropping it would hide an error.
             .map_err(|e| at(&self.partial)(e.into_error()))?;
+        // In one folder, where a rename replaces the file in one step.
         fs::rename(&self.partial, &self.path).map_err(at(&self.path))?;
         Ok(self.path)
     }

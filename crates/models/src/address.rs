@@ -11,6 +11,7 @@ use crate::error::OpenError;
 pub(crate) fn checked(base: &str) -> Result<String, OpenError> {
     let base = base.trim_end_matches('/');
     let (scheme, rest) = base.split_once("://").unwrap_or(("", base));
+    // The authority ends at the first of these. An `@` behind it, in a path, is no password.
     let authority = rest.split(['/', '?', '#']).next().unwrap_or_default();
     if authority.contains('@') {
         // Not shown: the part in front of the @ is a password.
@@ -41,7 +42,9 @@ fn bad(shown: &str, detail: &'static str) -> OpenError {
 /// Whether the host of an address is the loopback interface of this machine.
 pub(crate) fn is_loopback(base: &str) -> bool {
     let rest = base.split_once("://").map_or(base, |(_, rest)| rest);
+    // The address is `checked`, so no `@`, `?` or `#` can disguise the host.
     let authority = rest.split('/').next().unwrap_or_default();
+    // IPv6 addresses stand in brackets, since they contain colons themselves.
     let host = match authority.strip_prefix('[') {
         Some(bracketed) => bracketed.split(']').next().unwrap_or_default(),
         None => authority.split(':').next().unwrap_or_default(),

@@ -150,6 +150,7 @@ impl<M: ChatModel> ChatModel for Metered<M> {
                 used: ModelUse::default(),
             };
         }
+        // Without a lock: models may answer in several threads, each for minutes.
         let counted = self.model.chat_counted(request);
         self.meter.count(counted.used);
         counted

@@ -207,6 +207,7 @@ pub const CATALOGUE: [ModelFile; 9] = [
 /// assert_eq!(names, ["ppocr-v4-det", "ppocr-v4-rec"]);
 /// ```
 pub fn named(name: &str) -> Vec<&'static ModelFile> {
+    // A constant has no fixed address; the returned references need one.
     static FILES: [ModelFile; 9] = CATALOGUE;
     FILES
         .iter()

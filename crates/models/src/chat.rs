@@ -214,10 +214,12 @@ impl ChatRequest {
             }
         }
         hasher.update(self.max_tokens.to_le_bytes());
+        // The bits, since a digest must not depend on how a number is printed.
         hasher.update(self.temperature.to_bits().to_le_bytes());
         for message in &self.messages {
             hasher.update([message.role as u8]);
             hash_part(&mut hasher, message.text.as_bytes());
+            // The number of images, so that no image can pass for the next message.
             hasher.update((message.images.len() as u64).to_le_bytes());
             message
                 .images

@@ -40,6 +40,7 @@ pub(crate) fn grammar(schema: Option<&Value>) -> String {
     let mut rules = Rules::default();
     let root = schema.map_or_else(|| "object".to_owned(), |schema| rules.of(schema, 0));
     let made = rules.text;
+    // The rules for any JSON are always there: all others refer to them.
     format!("root ::= {root}\n{made}{}", ANY_JSON.trim_start())
 }
 
@@ -65,6 +66,7 @@ impl Rules {
             Value::Array(several) => several.iter().filter_map(Value::as_str).collect(),
             _ => Vec::new(),
         };
+        // `dedup` removes only equal kinds side by side.
         kinds.sort_unstable();
         kinds.dedup();
         if kinds.is_empty() || depth > MAX_DEPTH || self.count > MAX_RULES {
@@ -105,6 +107,8 @@ impl Rules {
         if required.is_empty() {
             return "object".to_owned();
         }
+        // Other keys must differ from the required ones: a required key taken as another one would
+        // be written twice, or without its schema.
         let other = self.add(&format!(r#"{} ":" ws value"#, other_key(&required)));
         let mut body = String::from(r#""{" ws"#);
         for (i, key) in required.iter().enumerate() {
@@ -158,6 +162,8 @@ impl Trie {
             .keys()
             .map(|letter| class_member(*letter))
             .collect();
+        // A letter with which no key goes on leaves the trie, and anything may follow. A letter of
+        // the trie descends. The key may end here unless that completes one of the keys.
         let mut branches = vec![format!(r#"([^"\\\x00-\x1F\x7F{letters}] | escape) char*"#)];
         branches.extend(
             self.next
@@ -174,6 +180,8 @@ impl Trie {
 /// A character inside a character class.
 fn class_member(letter: char) -> String {
     match letter {
+        // These have a meaning inside a class. Backslashes and quotes cannot occur: `is_plain`
+        // excludes them.
         ']' | '[' | '^' | '-' => format!("\\x{:02X}", u32::from(letter)),
         plain => plain.to_string(),
     }

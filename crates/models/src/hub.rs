@@ -30,6 +30,7 @@ pub(crate) fn endpoint(variable: Option<String>) -> Result<String, StoreError> {
         .filter(|text| !text.is_empty())
         .unwrap_or_else(|| HUGGING_FACE.to_owned());
     let is_safe = base.starts_with("https://") || base.starts_with("http://") && is_loopback(&base);
+    // The address is printed in errors, so it must not hold a password.
     if is_safe && !base.contains(['@', '?', '#', ' ']) {
         return Ok(base);
     }
@@ -69,6 +70,7 @@ pub(crate) fn fetch(
         let count = body
             .read(&mut buffer)
             .map_err(|error| failed(&url, error))?;
+        // A file that is too short ends here as well; its checksum tells.
         if count == 0 {
             return Ok(());
         }

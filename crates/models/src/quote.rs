@@ -6,6 +6,7 @@ const MAX_CHARS: usize = 300;
 /// The beginning of a text, with control characters replaced by spaces.
 pub(crate) fn quote(text: &str) -> String {
     text.chars()
+        // One line, and no escape sequences for a terminal.
         .map(|c| if c.is_control() { ' ' } else { c })
         .take(MAX_CHARS)
         .collect()

@@ -66,6 +66,8 @@ impl Remote {
                     // Many compatible servers accept only text, not a list of parts, as `system`.
                     dialect.quirks.rewrite = BodyRewrite::Perplexity;
                 }
+                // An empty key: `transport` removes it and adds the real one, so that no other code
+                // holds it.
                 let config = OpenAIConfig::with_key(&dialect, "").with_base_url(base);
                 Model::new(config.chat(model), transport.clone()).erase()
             }
@@ -98,12 +100,17 @@ impl Remote {
         let mut refusal = None;
         for form in self.form_requests(&request.format) {
             let CountedReply { reply, used } = self.send_as(form, request);
+            // Each attempt is a call that may cost, so all of them count against the budget.
             total = total.plus(used);
             match reply {
                 Err(error) if is_about_form(&error) => {
+                    // The first refusal is reported: it is about what was asked for, not about a
+                    // way around it.
                     refusal.get_or_insert(error);
                 }
                 reply => {
+                    // Remembered only if the weaker request works: the refusal may have had another
+                    // cause.
                     if refusal.is_some() && reply.is_ok() {
                         self.form_request.store(form as u8, Ordering::Relaxed);
                     }
@@ -169,6 +176,7 @@ impl Remote {
                 };
             }
         };
+        // The transport blocks and its futures are ready at once, so no runtime is needed.
         match pollster::block_on(self.wire.call(request)) {
             Err(error) => CountedReply::of_one_call(Err(self.failure(&error))),
             Ok(response) => {
@@ -215,6 +223,7 @@ impl Remote {
         let mut value: serde_json::Value =
             serde_json::from_str(&schema.text).map_err(|e| self.bad_schema(&e))?;
         if let Some(object) = value.as_object_mut() {
+            // `rig-core` names a schema after its title.
             object.insert("title".into(), schema.name.clone().into());
         }
         schemars::Schema::try_from(value).map_err(|e| self.bad_schema(&e))
@@ -238,6 +247,8 @@ impl Remote {
             Some(FinishReason::ContentFilter) => {
                 return Err(self.bad_reply("it was withheld by the content filter of the provider"));
             }
+            // After truncation and filter, which may also leave no text but say more about the
+            // cause.
             reason if text.trim().is_empty() => {
                 let reason = match reason {
                     Some(reason) => quote(&format!("{reason:?}")),
@@ -259,6 +270,7 @@ impl Remote {
 
     /// The error of the transport, or why the answer cannot be decoded.
     fn failure(&self, error: &ProviderError) -> ChatError {
+        // As it is: it names the address and says whether a time-out or a status is the cause.
         if let Some(error) = of_transport(error) {
             return error.clone();
         }
@@ -379,6 +391,7 @@ fn message(message: &Message) -> RigMessage {
 }
 
 fn image(file: &[u8]) -> UserContent {
+    // The magic bytes of JPEG. Messages contain PNG or JPEG only.
     let kind = if file.starts_with(&[0xff, 0xd8]) {
         ImageMediaType::JPEG
     } else {

@@ -105,6 +105,8 @@ impl<W: Write> Sink<W> {
     fn write(&mut self, exchange: &Exchange) -> std::io::Result<()> {
         let mut line = serde_json::to_vec(exchange)?;
         line.push(b'\n');
+        // Counted before the test and not taken back: once the limit is passed nothing more is
+        // written, so the recording has no gap.
         self.written += line.len() as u64;
         if self.written > MAX_WRITTEN_BYTES {
             let detail = format!("it would be longer than {MAX_WRITTEN_BYTES} bytes");
@@ -113,6 +115,7 @@ impl<W: Write> Sink<W> {
                 detail,
             ));
         }
+        // One call for the whole line, since several recorders may share a file.
         self.writer.write_all(&line)?;
         self.writer.flush()
     }
@@ -232,6 +235,7 @@ impl Replay {
         let mut answers = BTreeMap::<String, VecDeque<CountedReply>>::new();
         let mut read_bytes = 0;
         for (index, line) in BufReader::new(reader)
+            // Bounded here: a single line could be of any length.
             .take(MAX_READ_BYTES)
             .lines()
             .enumerate()
@@ -288,6 +292,8 @@ impl ChatModel for Replay {
     fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         let digest = request.digest();
         let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
+        // Used up, not repeated: a request that was recorded once and is sent twice differs from
+        // the recorded run.
         match answers.get_mut(&digest).and_then(VecDeque::pop_front) {
             Some(counted) => counted,
             None => CountedReply::of_one_call(Err(ChatError::NotRecorded { digest })),

@@ -116,6 +116,7 @@ impl ModelSpec {
     }
 
     fn read(spec: &str) -> Option<Self> {
+        // At the first colon: names of models contain colons too, as in `qwen2.5:0.5b`.
         let (word, rest) = spec.split_once(':')?;
         if rest.is_empty() {
             return None;

@@ -54,6 +54,7 @@ impl ModelStore {
     /// Whether the folder contains the file with the checksum of the catalogue.
     pub fn contains(&self, file: &ModelFile) -> bool {
         let path = self.path(file);
+        // The length first: most wrong files are found without reading them.
         let right_size = path
             .metadata()
             .is_ok_and(|metadata| metadata.len() == file.bytes);
@@ -74,6 +75,7 @@ impl ModelStore {
             }
             return Err(StoreError::NotDownloaded { name: file.name });
         }
+        // A name with a separator must not lead out of the folder; as a path it is tried below.
         let is_plain = !name.contains(['/', '\\']);
         let added = is_plain.then(|| self.folder.join(format!("{name}.gguf")));
         let mut places = added.into_iter().chain([PathBuf::from(name)]);
@@ -101,6 +103,7 @@ impl ModelStore {
             None => self.folder.join(gguf_name(path)),
         };
         if self.is_reserved(&target, &digest)
+            // A file of the catalogue may replace a damaged one of its own name.
             || known.is_none() && exists_with_other_digest(&target, &digest)
         {
             return Err(StoreError::NameConflict { path: target });
@@ -109,6 +112,7 @@ impl ModelStore {
         File::open(path)
             .and_then(|mut whole| io::copy(&mut whole, &mut part))
             .map_err(|source| io_error(&target, source))?;
+        // Renamed within the folder, which is atomic: no other process sees a part of the file.
         part.persist(&target)
             .map_err(|error| io_error(&target, error.error))?;
         Ok(target)
@@ -131,6 +135,7 @@ impl ModelStore {
         let mut part = self.temporary(&target)?;
         write(&mut part)?;
         part.flush().map_err(|source| io_error(&target, source))?;
+        // Read back from the disk, so that errors of writing are found as well.
         let found = file_digest(part.path()).map_err(|source| io_error(&target, source))?;
         if found != file.sha256 {
             return Err(StoreError::Checksum {

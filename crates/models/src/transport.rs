@@ -88,10 +88,14 @@ impl Transport {
     pub(crate) fn new(base: &str, credential: Option<Credential>, bounds: Bounds) -> Self {
         let config = Agent::config_builder()
             .timeout_global(Some(bounds.timeout))
+            // A redirect would send the key, and the request, to an address that the user did not
+            // name.
             .max_redirects(0)
             .max_redirects_will_error(false)
+            // The body of a refusal says why, so statuses are judged below.
             .http_status_as_error(false);
         let config = if is_loopback(base) {
+            // A proxy would look for the address on its own machine.
             config.proxy(None)
         } else {
             config
@@ -123,6 +127,7 @@ impl Transport {
                 .wait
                 .unwrap_or_default()
                 .max(pause)
+                // The server decides the pause only within the bounds: it may ask for hours.
                 .min(self.bounds.longest_pause);
             attempts += 1;
             let is_late = began.elapsed() + wait >= self.bounds.timeout;
@@ -148,6 +153,7 @@ impl Transport {
             .send(&outgoing.body[..])
             .map_err(|error| self.broken(endpoint, &error))?;
         let status = response.status().as_u16();
+        // Before the body is read, which borrows the response.
         let wait = retry_after(response.headers());
         let text = self.read(endpoint, response.body_mut())?;
         if status != 200 {
@@ -165,6 +171,8 @@ impl Transport {
         let mut bytes = Vec::new();
         let limit = self.bounds.max_reply_bytes;
         body.as_reader()
+            // After decompression, so that a small answer cannot grow without bound. One more byte
+            // than allowed reveals a longer one.
             .take(limit + 1)
             .read_to_end(&mut bytes)
             .map_err(|error| self.broken(endpoint, &error.into()))?;
@@ -221,6 +229,7 @@ impl Outgoing {
     fn new<T: Into<Bytes>>(request: Request<T>) -> Self {
         let (parts, body) = request.into_parts();
         let endpoint = parts.uri.to_string();
+        // Some protocols carry the key in the query, here an empty one.
         let endpoint = endpoint.split('?').next().unwrap_or_default().to_owned();
         let mut headers = parts.headers;
         for name in ["authorization", "x-api-key", "x-goog-api-key"] {
@@ -247,6 +256,7 @@ impl HttpClientExt for Transport {
         async move {
             let text = transport
                 .exchange(&outgoing)
+                // `failure` in `remote` takes the error of this type out again.
                 .map_err(http_client::Error::instance)?;
             let body: LazyBody<U> = Box::pin(async move { Ok(U::from(Bytes::from(text))) });
             Ok(Response::builder()
@@ -294,6 +304,7 @@ fn retry_after(headers: &HeaderMap) -> Option<Duration> {
 fn is_timeout(error: &ureq::Error) -> bool {
     match error {
         ureq::Error::Timeout(_) => true,
+        // While the body is read, a time-out arrives wrapped in an error of input and output.
         ureq::Error::Io(io) => {
             let wrapped = io
                 .get_ref()

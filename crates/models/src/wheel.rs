@@ -60,6 +60,9 @@ fn download(pip: &[&str], wheel: Wheel, into: &Path) -> Outcome {
         Ok(log) => log,
         Err(error) => return Outcome::Failed(error.into()),
     };
+    // Without dependencies, and no source distributions: their build would run code of the package.
+    // Standard error goes to a file, since a pipe that nobody reads would block pip when it is
+    // full.
     let child = Command::new(pip[0])
         .args(&pip[1..])
         .args([
@@ -87,6 +90,7 @@ fn download(pip: &[&str], wheel: Wheel, into: &Path) -> Outcome {
     let output = tail(&log_file);
     match done {
         Some(true) => Outcome::Done,
+        // An interpreter without pip: the next command may have one.
         Some(false) if output.contains("No module named pip") => Outcome::Absent,
         Some(false) => Outcome::Failed(output.into()),
         None => Outcome::Failed(format!("it took longer than {} s", PIP_TIMEOUT.as_secs()).into()),
@@ -113,6 +117,7 @@ fn wait(child: &mut std::process::Child) -> Option<bool> {
 fn tail(file: &Path) -> String {
     let bytes = std::fs::read(file).unwrap_or_default();
     let text = String::from_utf8_lossy(&bytes).replace(char::is_control, " ");
+    // The end: pip's last lines say what failed.
     let skip = text.chars().count().saturating_sub(QUOTED_CHARS);
     text.chars()
         .skip(skip)
@@ -163,6 +168,8 @@ fn copy_member(
     bytes: u64,
     sink: &mut dyn Write,
 ) -> Result<(), Cause> {
+    // The member is read by its name and written to a file of our own, so paths in the archive have
+    // no effect.
     let mut archive = zip::ZipArchive::new(File::open(archive)?)?;
     let entry = archive.by_name(member)?;
     // One more byte than expected reveals a longer file.

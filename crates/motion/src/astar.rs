@@ -83,10 +83,13 @@ pub fn plan(
         .iter()
         .map(|c| costmap.grid().center(*c))
         .collect();
+    // The goal itself replaces the middle of its cell. Where it is blocked, the path ends at a free
+    // cell near it.
     if costmap.grid().cell_at(goal) == cells.last().copied() {
         points.pop();
         points.push(goal);
     }
+    // The middle of the first cell stays: the lines that were checked run between middles.
     points.insert(0, start);
     Ok(points)
 }
@@ -102,12 +105,15 @@ fn connect(
     for _ in 0..CLOSED_AREAS {
         let start = *from.first()?;
         let found = search.cheapest(&costs, start, to[0]).or_else(|| {
+            // The nearest goal cell is not connected with the start, but another one may be.
             let reached = to.iter().copied().find(|cell| search.reached(*cell))?;
             search.cheapest(&costs, start, reached)
         });
         if let Some(found) = found {
             return Some(found.cells);
         }
+        // The search has reached the whole area of its start, and none of `to` is in it. So no
+        // other start in that area needs to be tried.
         from.retain(|cell| !search.reached(*cell));
     }
     None
@@ -136,6 +142,8 @@ pub fn costs(
         if open.is_empty() || estimate * grid.cell > limit {
             break;
         }
+        // A cell that became cheaper is in the queue again; its first entry to come out is the
+        // cheapest.
         if std::mem::replace(&mut closed[cell], true) {
             continue;
         }
@@ -154,6 +162,7 @@ pub fn costs(
     }
     cells
         .iter()
+        // Only a closed cell has its final cost.
         .map(|cell| cell.filter(|&c| closed[c]).map(|c| best[c] * grid.cell))
         .collect()
 }
@@ -195,6 +204,7 @@ fn free_cells(costmap: &Costmap, point: MapPoint) -> Option<Vec<usize>> {
     near.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     near.truncate(MOST_ESCAPES);
     let near: Vec<usize> = near.into_iter().map(|escape| escape.cell).collect();
+    // The place itself is blocked; every line of sight begins in it.
     let is_open = |cell: usize| cell == here || !costmap.is_obstacle(cell);
     // Free cells behind a wall do not count; deep inside an obstacle any free cell does.
     let open: Vec<usize> = near

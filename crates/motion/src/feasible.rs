@@ -83,6 +83,7 @@ impl Floors {
         );
         for (i, obstacle) in obstacles.enumerate() {
             let contact = obstacle.contact(&placed, circle, seconds, reach);
+            // Without a contact the distance is at least `reach`, which is above every floor.
             let distance = contact.map_or(reach, |c| c.distance);
             let near = self.near.iter_mut().find(|floor| floor.obstacle == i);
             let least = near.as_ref().map_or(self.margin, |floor| floor.least);
@@ -90,6 +91,7 @@ impl Floors {
                 return false;
             }
             if let Some(near) = near {
+                // A floor only rises: what has moved away may not come back.
                 near.least = near.least.max(floor(distance, self.margin));
             }
         }
@@ -134,6 +136,7 @@ impl ConflictCheck<'_> {
     /// Seconds until the first conflict on a trajectory that is driven no faster than the robot's
     /// limits; `None` if there is none.
     pub(crate) fn first_conflict(&self, trajectory: &Trajectory) -> Option<f64> {
+        // Moving obstacles are met when the robot can be there, not when the band promises it.
         let driven = trajectory.slowed(self.limits);
         let obstacles = || self.obstacles.iter();
         let start = driven.pose_at(0.0);

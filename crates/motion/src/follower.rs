@@ -116,8 +116,11 @@ impl Follower {
             return self.turn(error);
         }
         let distance = libm::hypot(forward, left).max(NEAREST_M);
+        // Of the circle that touches the robot's heading and passes through the target (Coulter
+        // 1992).
         let curvature = 2.0 * left / (distance * distance);
         let for_bend = self.robot.max_forward / (1.0 + BEND_FACTOR * curvature.abs());
+        // From v² = 2 a s: so fast that the robot can still stop at the end.
         let for_end = (2.0 * BRAKING_MPS2 * remaining).sqrt().max(LEAST_SPEED_MPS);
         let linear = self.robot.max_forward.min(for_bend).min(for_end);
         let turn = (linear * curvature).clamp(-self.robot.max_turn, self.robot.max_turn);

@@ -45,6 +45,8 @@ impl Motion {
 pub fn arc(pose: Pose2, velocity: Velocity, seconds: f64) -> Pose2 {
     let turn = velocity.angular * seconds;
     let half = turn / 2.0;
+    // The chord of an arc is sin(h) / h as long, h being half its turn, and points along the mean
+    // heading.
     let chord = velocity.linear
         * seconds
         * if half.abs() < 1e-6 {
@@ -60,6 +62,7 @@ pub fn arc(pose: Pose2, velocity: Velocity, seconds: f64) -> Pose2 {
 pub fn velocity(from: Pose2, to: Pose2, seconds: f64) -> Velocity {
     let turn = to.yaw - from.yaw;
     let (sin, cos) = libm::sincos((from.yaw + to.yaw) / 2.0);
+    // Only the part along the mean heading: a differential drive cannot drive the rest.
     let chord = (to.x - from.x) * cos + (to.y - from.y) * sin;
     Velocity::new(chord * bulge(turn) / seconds, turn / seconds)
 }

@@ -211,6 +211,8 @@ impl Mppi {
             o.distance_to(MapPoint::new(pose.x - v.x * time, pose.y - v.y * time))
         });
         let distance = distances.fold(standing, f64::min);
+        // Distances are of cells' middles, and off by less than a cell. Between both circles only
+        // the footprint itself can tell.
         let may_touch = distance < outer + CELL_M;
         if distance < inner - CELL_M || may_touch && self.touches(pose, time, obstacles) {
             return TOUCH;
@@ -235,6 +237,7 @@ impl Mppi {
         let mut sum = 0.0;
         self.plan.fill(Velocity::ZERO);
         for (sample, cost) in self.samples.iter().zip(&self.costs) {
+            // Relative to the cheapest, whose weight is 1: the sum cannot vanish.
             let weight = libm::exp(-(cost - least) / TEMPERATURE);
             sum += weight;
             for (planned, velocity) in self.plan.iter_mut().zip(sample) {

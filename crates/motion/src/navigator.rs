@@ -144,6 +144,8 @@ impl Navigator {
             Task::Ended(decided) => return decided,
             Task::Drive(goal) => goal,
         };
+        // Each step decides only where those before it left the decision open. The pose comes
+        // first, since all others need it.
         let decided = self
             .wait_for_pose(now, &goal)
             .or_else(|| self.give_up_without_progress(now))
@@ -192,6 +194,7 @@ impl Navigator {
         if self.progress.note(now) {
             self.ladder.made_progress();
         }
+        // Not blocked, and yet without progress: the robot hardly moves.
         let cause = self.ladder.cause().unwrap_or(Blocked::Creeping);
         let failed = Navigation::Failed(FailureReason::Stuck(cause));
         self.progress.is_stagnant(now.time).then_some(failed)

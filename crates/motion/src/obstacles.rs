@@ -88,6 +88,7 @@ impl RangeRing {
             let (dx, dy) = (point.x - center.x, point.y - center.y);
             let square = dx * dx + dy * dy;
             // Written so that NaN is passed over too.
+            // Between ground and the lowest obstacle a point may be either: it counts as neither.
             let counts =
                 square <= REACH_M * REACH_M && (z < GROUND_M || (LOWEST_M..=PEOPLE_M).contains(&z));
             if !counts {

@@ -50,6 +50,7 @@ impl Route {
             self.searched = Some(now.time);
             let found = guide.path(now.pose.point(), goal);
             self.failure = found.as_ref().err().copied();
+            // An old path is not followed once a search has failed.
             self.path = found.unwrap_or_default();
         }
         self.failure.map_or(Ok(()), Err)

@@ -203,18 +203,21 @@ impl Search {
     }
 
     fn begin(&mut self, cells: usize) {
+        // A search that found its goal left entries behind.
         self.buckets.iter_mut().for_each(Vec::clear);
         if self.visited.len() != cells || self.number == u32::MAX {
             self.visited.clear();
             self.visited.resize(cells, Visited::default());
             self.number = 0;
         }
+        // What earlier searches visited has another number, and need not be cleared.
         self.number += 1;
     }
 
     fn trace(&self, width: usize, goal: usize) -> Vec<usize> {
         let mut cells = vec![goal];
         let mut at = goal;
+        // `START` is the number of no step, and ends the walk back.
         while let Some((dx, dy)) = STEPS.get(usize::from(self.visited[at].step)) {
             at = (at as i64 - i64::from(*dx) - i64::from(*dy) * width as i64) as usize;
             cells.push(at);
@@ -256,9 +259,13 @@ impl Run<'_> {
                     return Some(cost);
                 }
             }
+            // All open estimates lie within one round of the ring, so a bucket never mixes two
+            // rounds.
             while let Some(open) = self.buckets[bucket % BUCKETS].pop() {
                 self.waiting -= 1;
                 let cell = (open.y * self.columns + open.x) as usize;
+                // Entries of cells that were reached more cheaply since are outdated. What lies
+                // beyond the goal does not matter.
                 if open.cost <= self.visited[cell].cost && cell != goal {
                     self.expand(open, cell, bucket);
                 }

@@ -71,6 +71,8 @@ pub fn locate(map: &OsmMap, address: &Address) -> Location {
     let Some(first) = matching.first() else {
         return Location::Unknown;
     };
+    // A multipolygon with several outer rings is several buildings of one name. They are one
+    // address, not an ambiguous one.
     let element = map.buildings[*first].element;
     if matching
         .iter()
@@ -97,6 +99,8 @@ pub fn locate(map: &OsmMap, address: &Address) -> Location {
 fn matching<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
     let (mut inner, mut around): (&str, Vec<EnclosingPlace>) = (name, Vec::new());
     loop {
+        // The whole name comes first: it may contain a comma itself. Then one part after another is
+        // taken off its end.
         let found = map.names.buildings(inner);
         if !found.is_empty() || around.len() == MOST_LEVELS {
             return lying_in(map, found, &around);
@@ -151,6 +155,7 @@ fn door(map: &OsmMap, buildings: &[usize], unit: &str) -> Option<Door> {
             let building = entrance.building.filter(|b| buildings.contains(b))?;
             let rank = (
                 unit.is_behind(entrance)?,
+                // `false` sorts first: the main entrance.
                 !entrance.tags.is("entrance", "main"),
             );
             Some(Door {
@@ -175,6 +180,7 @@ impl Unit {
         let bare = ["flat", "apartment", "apt"]
             .iter()
             .find_map(|word| folded.strip_prefix(word));
+        // `addr:flats` lists bare numbers.
         let flat = bare.unwrap_or(&folded).parse().ok();
         Self { folded, flat }
     }
@@ -200,6 +206,7 @@ fn has_flat(tags: &Tags, flat: u32) -> bool {
     flats
         .split([';', ','])
         .filter_map(flat_range)
+        // A range is compared, never listed, so that `1-4000000000` costs nothing.
         .any(|range| range.contains(&flat))
 }
 

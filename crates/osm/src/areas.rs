@@ -52,6 +52,7 @@ const LINES: [(&str, &str); 12] = [
 pub(crate) fn is_area(tags: &Tags) -> bool {
     let line = LINES.iter().any(|(key, value)| tags.is(key, value));
     let surface = AREA_KEYS.iter().any(|key| tags.says(key)) || tags.is("waterway", "riverbank");
+    // `area=*` is the mapper's own word on the question, and counts before what keys imply.
     tags.is("area", "yes") || surface && !line && !tags.is("area", "no")
 }
 
@@ -170,6 +171,7 @@ impl<'a> Shaper<'a> {
                 unused: 1,
             };
         }
+        // The budget pays for the points once, and for a copy of the tags for each ring.
         let Assembled { rings, open } = assemble(&pieces);
         let (good, bad): (Vec<_>, Vec<_>) =
             rings.iter().partition(|_| self.afford(0, &relation.tags));
@@ -196,6 +198,7 @@ fn cut_holes(polygons: &mut [Polygon], holes: Vec<Vec<MapPoint>>) -> usize {
         .into_iter()
         .filter_map(|ring| Polygon::new(ring, Vec::new()))
     {
+        // Not a corner: a hole may touch the outline there, and then lies in it by chance.
         let inside = hole.interior_point();
         let around = tree
             .within(inside, 0.0)
@@ -204,6 +207,7 @@ fn cut_holes(polygons: &mut [Polygon], holes: Vec<Vec<MapPoint>>) -> usize {
         match around.min_by(|a, b| solid[*a].area().total_cmp(&solid[*b].area())) {
             Some(i) => polygons[i]
                 .holes
+                // `Polygon::new` has made the ring counter-clockwise. Holes are clockwise.
                 .push(hole.outer.into_iter().rev().collect()),
             None => stray += 1,
         }

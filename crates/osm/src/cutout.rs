@@ -73,6 +73,7 @@ impl Window {
     /// ```
     pub fn around(middle: LonLat, radius: f64) -> Result<Self, WindowError> {
         let tall = radius / METRES_PER_DEGREE;
+        // Meridians converge towards the poles, where the cosine is 0.
         let wide = tall / libm::cos(middle.lat.to_radians()).max(1e-6);
         Self::new(
             middle.lon - wide,
@@ -125,18 +126,23 @@ pub fn cut_out(data: &OsmData, window: &Window) -> OsmData {
         window,
         out: OsmData::default(),
     };
+    // Relations come first: their ways are kept whole, and must not be cut as lines afterwards.
     for relation in data.relations.values().filter(|r| is_multipolygon(r)) {
         cut.relation(relation);
     }
     let mut next = data
         .ways
         .first_key_value()
+        // Below all numbers in use, and negative, as editors number elements that the OSM database
+        // lacks.
         .map_or(-1, |(id, _)| (*id).min(0).saturating_sub(1));
     for way in data.ways.values() {
         cut.way(way, &mut next);
     }
     cut.nodes();
     let mut out = cut.out;
+    // The report is of the file that was read, except for references: the cut-out has only those
+    // whose targets it has.
     out.report = data.report;
     (
         out.report.ways_with_missing_nodes,
@@ -160,6 +166,8 @@ impl Cut<'_> {
             .filter_map(|m| self.data.ways.get(&m.id))
             .collect();
         let nodes = || ways.iter().flat_map(|way| &way.nodes);
+        // A building counts by its corners. A lake may contain the window without a corner in it,
+        // so other areas count by their bounds.
         let wanted = if relation.tags.says("building") {
             self.has_corner(nodes())
         } else {
@@ -192,10 +200,13 @@ impl Cut<'_> {
             }
             return;
         }
+        // A member of a multipolygon that was kept whole.
         if self.out.ways.contains_key(&way.id) {
             return;
         }
         for (i, nodes) in self.stretches(way).into_iter().enumerate() {
+            // The first stretch keeps the way's number, so that references to it still have a
+            // target.
             let id = if i == 0 { way.id } else { *next };
             *next -= i64::from(i > 0);
             self.out.ways.insert(
@@ -236,6 +247,8 @@ impl Cut<'_> {
         let mut open = false;
         for pair in way.nodes.windows(2) {
             let ends = self.position(pair[0]).zip(self.position(pair[1]));
+            // The segment's own bounds are tested, so some segments that pass a corner of the
+            // window are kept as well. A segment without a known end is a gap.
             if !ends.is_some_and(|(a, b)| window.meets(a, b)) {
                 open = false;
                 continue;

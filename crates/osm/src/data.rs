@@ -84,6 +84,7 @@ impl OsmData {
     }
 
     pub(crate) fn put_node(&mut self, node: Node) {
+        // False for NaN as well.
         let on_earth = node.position.lon.abs() <= 180.0 && node.position.lat.abs() <= 90.0;
         if !on_earth {
             self.report.bad_elements += 1;

@@ -95,6 +95,7 @@ pub fn merge_entrances(base: &mut OsmData, from: &OsmData) -> usize {
         }
         let plane = Projection::new(Georeference::tangent_plane(node.position));
         merged += usize::from(
+            // The door is the origin of its own plane.
             write_door(base, &plane, *host, MapPoint::default(), node.tags.clone()).is_ok(),
         );
     }
@@ -107,12 +108,14 @@ pub fn merge_entrances(base: &mut OsmData, from: &OsmData) -> usize {
 /// there or a path leads there.
 pub fn without_doors(data: &OsmData) -> OsmData {
     let mut public = data.clone();
+    // More than entrances: `door=*` alone also shows where to look.
     let doors: BTreeSet<i64> = data
         .nodes
         .values()
         .filter(|n| is_door(&n.tags) || n.tags.says("door"))
         .map(|n| n.id)
         .collect();
+    // Looked up once, since a search of all ways for each door takes the product of both.
     let users = ways_of(data, &doors);
     for id in &doors {
         let ways = users.get(id).map_or(&[][..], Vec::as_slice);
@@ -171,6 +174,8 @@ fn write_door(
     // Once more: an old door that was removed is no end of a wall any longer.
     let wall =
         nearest_wall(data, projection, &outline, at).ok_or(EditError::NoOutline(building))?;
+    // A node in a shared wall is on both outlines. The name tells a reader of the map which house
+    // the door belongs to.
     if let Some(name) = data.tags(building).and_then(|tags| tags.get("name"))
         && is_shared(data, &outline, &wall)
     {
@@ -240,6 +245,7 @@ fn nearest_wall(
     let mut nearest = None;
     let mut least = f64::INFINITY;
     for way in outline.iter().filter_map(|id| data.ways.get(id)) {
+        // Closed ways repeat their first node, so this has all of their sides.
         for pair in way.nodes.windows(2) {
             let Some(side) = side_between(data, projection, pair[0], pair[1]) else {
                 continue;
@@ -319,9 +325,11 @@ fn same_door(
     let distance = |node: &Node| projection.to_map(node.position).distance(at);
     let same = doors.filter(|node| {
         let units = folded_units(&node.tags);
+        // Without names only the place can tell, and only nearby.
         let both_nameless = units.is_empty() && wanted.is_empty();
         both_nameless && distance(node) <= SAME_DOOR_M || !units.is_disjoint(&wanted)
     });
+    // The number breaks ties: outlines list a node of a shared wall twice.
     let by_distance = same.map(|node| (distance(node), node.id));
     let nearest = by_distance.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     nearest.map(|(_, id)| id)
@@ -381,6 +389,7 @@ fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
     if closed {
         line.pop();
         // Moves the seam of the ring away from the node.
+        // Its neighbours are then before and after it in the list.
         if line[0] == node || line[line.len() - 1] == node {
             let half = line.len() / 2;
             line.rotate_left(half);
@@ -393,6 +402,7 @@ fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
     let straight = is_straight(data, line[place - 1], node, line[place + 1])?;
     line.remove(place);
     let least = if closed { 3 } else { 2 };
+    // A road keeps its nodes. A node that the line passes twice is still in it.
     if way.tags.says("highway") || !straight || line.len() < least || line.contains(&node) {
         return None;
     }
@@ -423,6 +433,8 @@ fn ways_of(data: &OsmData, nodes: &BTreeSet<i64>) -> BTreeMap<i64, Vec<i64>> {
     for way in data.ways.values() {
         for node in way.nodes.iter().filter(|node| nodes.contains(node)) {
             let ways = found.entry(*node).or_default();
+            // A closed way has its first node twice. Ways are visited one by one, so only the last
+            // can be the same.
             if ways.last() != Some(&way.id) {
                 ways.push(way.id);
             }
@@ -443,6 +455,7 @@ fn door_hosts(data: &OsmData) -> BTreeMap<i64, ElementId> {
     let relations = building_relations(data);
     let mut door_hosts = BTreeMap::new();
     for (door, ways) in ways_of(data, &doors) {
+        // A door in a shared wall has several.
         let hosts: Vec<ElementId> = ways
             .iter()
             .filter_map(|way| host_of_way(data, &relations, *way))
@@ -496,6 +509,8 @@ fn free_id(data: &OsmData) -> i64 {
         .map_or(0, |(id, _)| (*id).min(0));
     lowest
         .checked_sub(1)
+        // A map may use even the lowest number. Then the highest free negative one is taken. It is
+        // found after one step more than there are nodes at most.
         .or_else(|| (i64::MIN..0).rev().find(|id| !data.nodes.contains_key(id)))
         .unwrap_or(i64::MIN)
 }

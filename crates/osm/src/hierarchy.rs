@@ -43,6 +43,7 @@ impl EnclosingPlace {
         if tagged(&building.tags).any(|level| fold(&level.name) == wanted) {
             return true;
         }
+        // The centroid, so that a building on the border of two neighbours lies in one of them.
         let middle = building.polygon.centroid();
         self.areas
             .iter()
@@ -117,6 +118,7 @@ pub(crate) fn called(map: &OsmMap, name: &str) -> EnclosingPlace {
             name.is_some_and(|name| fold(name) == wanted)
         })
         .collect();
+    // `holds` compares the name alone, so the kind has no meaning here.
     let level = AddressLevel {
         level: Level::District,
         name: name.to_owned(),

@@ -139,8 +139,11 @@ impl OsmMap {
             outlines: BoxTree::default(),
             names: NameIndex::default(),
         };
+        // A copy, since the shaper borrows it while `map` is filled.
         let projection = map.projection.clone();
         let shaper = Shaper::new(data, &projection);
+        // In this order: doors look for their building among the outlines, and names include the
+        // addresses of doors.
         map.add_areas(&shaper);
         map.outlines = BoxTree::new(
             map.buildings
@@ -192,6 +195,8 @@ impl OsmMap {
     }
 
     fn add_areas(&mut self, shaper: &Shaper<'_>) {
+        // Relations are read first, because they decide which ways are mere outlines. They are
+        // appended last, because ways come first in the lists.
         let mut relations = Vec::new();
         let mut other_areas = Vec::new();
         // Some old outlines repeat the building's tags.
@@ -204,6 +209,7 @@ impl OsmMap {
         {
             if relation.tags.says("building") {
                 let found = self.relation_buildings(shaper, relation);
+                // A broken multipolygon takes no way's place: the way may still be a building.
                 if !found.is_empty() {
                     outlines_of_relations.extend(outline_ways(relation));
                 }
@@ -306,9 +312,12 @@ impl OsmMap {
             .iter()
             .map(distance)
             .min_by(f64::total_cmp)
+            // So far only the boxes are known to be within reach.
             .filter(|d| *d <= DOOR_REACH_M)?;
         let touching: Vec<usize> = near
             .into_iter()
+            // Files give positions to a centimetre, so outlines that share a wall may differ by
+            // that.
             .filter(|i| distance(i) <= nearest + 0.01)
             .collect();
         let address: Vec<String> = tags

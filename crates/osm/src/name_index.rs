@@ -32,6 +32,7 @@ impl NameIndex {
             add(&mut index.numbers, numbers(tags), building);
         }
         for (building, tags) in doors {
+            // Other tags of a door, such as its `name`, name the unit and not the building.
             let address: Tags = tags
                 .iter()
                 .filter(|(key, _)| key.starts_with("addr:"))
@@ -59,6 +60,8 @@ impl NameIndex {
         let number = || {
             self.numbers
                 .get(&folded)
+                // `Building 3` finds the bare number 3, but only after a building that bears those
+                // words.
                 .or_else(|| self.numbers.get(&fold_number(name)))
         };
         full.or_else(number).map_or(&[], Vec::as_slice)

@@ -114,9 +114,11 @@ pub fn fold(name: &str) -> String {
             apart = true;
             continue;
         }
+        // Without the hyphen `1-2` would become `12`, another building.
         if apart && c.is_ascii_digit() && folded.ends_with(|last: char| last.is_ascii_digit()) {
             folded.push('-');
         }
+        // A zero is dropped only when a digit follows it, so that `0` itself remains.
         if c.is_ascii_digit() && after_leading_zero(&folded) {
             folded.pop();
         }
@@ -140,6 +142,7 @@ fn without_word(folded: String, words: &[&str]) -> String {
     let rest = words
         .iter()
         .find_map(|word| folded.strip_prefix(word))
+        // A unit that is called `Door` keeps its name.
         .filter(|rest| !rest.is_empty());
     rest.map_or_else(|| folded.clone(), str::to_owned)
 }
@@ -159,6 +162,7 @@ fn is_separator(c: char) -> bool {
 
 fn half_width(c: char) -> char {
     match c {
+        // The block of full-width forms repeats ASCII from `!` to `~`, at a fixed distance.
         '\u{FF01}'..='\u{FF5E}' => char::from_u32(u32::from(c) - 0xFEE0).unwrap_or(c),
         '\u{3000}' => ' ',
         _ => c,
@@ -175,6 +179,7 @@ fn is_name_key(key: &str) -> bool {
 
 /// `de`, `yue`, `zh-Hant`, `ja_rm`, but not `etymology`, `left` or `signed`.
 fn is_language(suffix: &str) -> bool {
+    // Codes of ISO 639 have two or three letters. Scripts and regions follow behind a hyphen.
     let code = suffix.split(['-', '_']).next().unwrap_or_default();
     matches!(code.len(), 2 | 3) && code.bytes().all(|b| b.is_ascii_lowercase())
 }

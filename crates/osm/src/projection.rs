@@ -120,6 +120,7 @@ impl Projection {
 /// If the map has no nodes.
 pub fn default_georeference(data: &OsmData) -> Result<Georeference, ProjectionError> {
     let middle = middle(data).ok_or(ProjectionError::Empty)?;
+    // 180 degrees east would be zone 61.
     let zone = (libm::floor((middle.lon + 180.0) / 6.0) as u8 + 1).min(60);
     let north = middle.lat >= 0.0;
     let utm = Projection::new(Georeference::Utm {
@@ -129,6 +130,8 @@ pub fn default_georeference(data: &OsmData) -> Result<Georeference, ProjectionEr
         offset_y: 0.0,
     })
     .to_map(middle);
+    // Near the origin coordinates are short to read, and whole kilometres keep UTM's digits below
+    // them.
     let offset_x = to_nearest_kilometre(utm.x);
     let offset_y = to_nearest_kilometre(utm.y);
     Ok(Georeference::Utm {
@@ -171,12 +174,14 @@ struct Utm {
 
 impl Utm {
     fn new(zone: u8, x: f64, y: f64) -> Self {
+        // The third flattening, in whose powers the series are.
         let n = F / (2.0 - F);
         let n2 = n * n;
         // Equation (14)
         let rectifying = EQUATORIAL_RADIUS_M / (1.0 + n)
             * (1.0 + n2 * (1.0 / 4.0 + n2 * (1.0 / 64.0 + n2 / 256.0)));
         Self {
+            // Zone 1 begins at 180 degrees west; its middle is 3 degrees on.
             central_meridian: f64::from(zone) * 6.0 - 183.0,
             origin: MapPoint::new(x, y),
             radius: SCALE * rectifying,
@@ -187,6 +192,7 @@ impl Utm {
 
     fn forward(&self, position: LonLat) -> MapPoint {
         let (sin_lon, cos_lon) = libm::sincos((position.lon - self.central_meridian).to_radians());
+        // At a pole the tangent is large but finite, because pi / 2 is no `f64`.
         let tau = conformal(libm::tan(position.lat.to_radians()));
         // Equation (10)
         let xi = libm::atan2(tau, cos_lon);
@@ -224,6 +230,7 @@ fn series(coefficients: &[f64; 6], xi: f64, eta: f64) -> [f64; 2] {
     for c in coefficients {
         x += c * cos * sinh;
         y += c * sin * cosh;
+        // From the multiple 2j to 2(j + 1).
         (sin, cos) = (sin * cos1 + cos * sin1, cos * cos1 - sin * sin1);
         (sinh, cosh) = (sinh * cosh1 + cosh * sinh1, cosh * cosh1 + sinh * sinh1);
     }
@@ -255,6 +262,7 @@ fn polynomials(coefficients: &[&[f64]; 6], n: f64) -> [f64; 6] {
     let mut power = 1.0;
     coefficients.map(|row| {
         power *= n;
+        // Horner's scheme.
         power * row.iter().rev().fold(0.0, |sum, c| sum * n + c)
     })
 }
@@ -359,6 +367,7 @@ impl Tangent {
         let (x, y) = (point.x - self.offset.x, point.y - self.offset.y);
         let start = std::array::from_fn(|i| self.origin[i] + x * self.east[i] + y * self.north[i]);
         let [p, v] = [start, self.up].map(|[x, y, z]: [f64; 3]| [x, y, z * stretch]);
+        // |p + t v|^2 = R^2 as a t^2 + 2 b t + c = 0.
         let (a, b, c) = (
             dot(v, v),
             dot(p, v),
@@ -367,6 +376,8 @@ impl Tangent {
         // -c / (b + root) instead of (root - b) / a: no digits cancel near the origin.
         let t = -c / (b + (b * b - a * c).max(0.0).sqrt());
         let [x, y, z] = std::array::from_fn(|i| start[i] + t * self.up[i]);
+        // On the ellipsoid the tangent of the geodetic latitude is z / ((1 - e^2) * distance from
+        // the axis).
         let lat = libm::atan2(z, (1.0 - E2) * libm::hypot(x, y));
         LonLat::new(libm::atan2(y, x).to_degrees(), lat.to_degrees())
     }

@@ -22,6 +22,7 @@ pub(crate) fn assemble(pieces: &[&[i64]]) -> Assembled {
         let Some(mut chain) = loose.take(start) else {
             continue;
         };
+        // Each piece is taken once, so this takes no more rounds than there are pieces.
         while chain.first() != chain.last() {
             let Some(next) = chain.last().and_then(|end| loose.take_at(*end)) else {
                 break;
@@ -70,6 +71,7 @@ impl<'a> Loose<'a> {
     /// The first loose piece with an end at `node`, reversed if necessary so that it begins there.
     fn take_at(&mut self, node: i64) -> Option<Vec<i64>> {
         let candidates = self.by_end.get_mut(&node)?;
+        // Pieces that were taken by their other end are still listed, and are passed over.
         while let Some(index) = candidates.pop() {
             if let Some(piece) = self.pieces[index].take() {
                 let mut piece = piece.to_vec();

@@ -81,7 +81,10 @@ fn branch(items: &mut [Item]) -> Branch {
         .map(|item| item.bounds)
         .reduce(Bounds::union)
         .unwrap_or_default();
+    // Split across the longer side, so that boxes stay compact.
     let is_wide = bounds.high.x - bounds.low.x > bounds.high.y - bounds.low.y;
+    // Halves by number, so the recursion is only as deep as the logarithm of it, wherever the boxes
+    // are.
     let middle = items.len() / 2;
     items.select_nth_unstable_by(middle, |a, b| {
         let (left, right) = (twice_the_centre(a, is_wide), twice_the_centre(b, is_wide));
@@ -122,6 +125,7 @@ impl Branch {
         distance: &impl Fn(usize) -> f64,
         best: &mut Option<Nearest>,
     ) {
+        // Not `>=`: an equally near item of a lower index may be inside.
         if best.is_some_and(|best| self.bounds().distance(point) > best.distance) {
             return;
         }
@@ -136,6 +140,7 @@ impl Branch {
                 }
             }
             Self::Fork(_, a, b) => {
+                // The nearer half first: what it finds often rules the other half out.
                 let a_first = a.bounds().distance(point) <= b.bounds().distance(point);
                 let (first, second) = if a_first { (a, b) } else { (b, a) };
                 first.nearest(point, distance, best);

@@ -68,6 +68,7 @@ impl Tags {
     pub fn metres(&self, key: &str) -> Option<f64> {
         const FOOT: f64 = 0.3048;
         const INCH: f64 = 0.0254;
+        // A decimal comma.
         let text = self.get(key)?.trim().replace(',', ".");
         let length = match text.split_once('\'') {
             Some((feet, "")) => number(feet)? * FOOT,
@@ -125,6 +126,8 @@ impl<K: Into<String>, V: Into<String>> FromIterator<(K, V)> for Tags {
             .into_iter()
             .map(|(k, v)| (k.into(), v.into()))
             .collect();
+        // The sort is stable and `dedup` keeps the first of equals. Reversed in between, that is
+        // the pair that came last.
         all.sort_by(|a, b| a.0.cmp(&b.0));
         all.reverse();
         all.dedup_by(|a, b| a.0 == b.0);

@@ -47,6 +47,7 @@ pub fn changes(old: &OsmData, new: &OsmData) -> Vec<u8> {
     let modified = new
         .iter()
         .filter(|(id, text)| old.get(id).is_some_and(|was| was != *text));
+    // Relations before ways before nodes: what refers to an element is deleted before it.
     let deleted = old.iter().rev().filter(|(id, _)| !new.contains_key(id));
     let mut out = document("osmChange");
     section(&mut out, "create", created.map(|(_, text)| text));
@@ -81,6 +82,7 @@ fn written_elements(data: &OsmData) -> BTreeMap<ElementId, String> {
 fn section<'a>(out: &mut String, name: &str, elements: impl Iterator<Item = &'a String>) {
     let body: String = elements.map(String::as_str).collect();
     if !body.is_empty() {
+        // Writing to a `String` does not fail, here and below.
         let _ = write!(out, "  <{name}>\n{body}  </{name}>\n");
     }
 }
@@ -135,6 +137,8 @@ fn element(
     body: &str,
 ) {
     let indent = 2 * depth;
+    // Editors refuse elements of the database without a version. Negative ones are new and have
+    // none.
     let version = if id > 0 { " version=\"1\"" } else { "" };
     let _ = write!(
         out,
@@ -184,6 +188,8 @@ impl std::fmt::Display for Escaped<'_> {
                 '<' => f.write_str("&lt;")?,
                 '>' => f.write_str("&gt;")?,
                 '"' => f.write_str("&quot;")?,
+                // As they are, a parser would turn them into spaces: XML normalizes white space in
+                // attributes.
                 '\t' | '\n' | '\r' => write!(f, "&#{};", u32::from(c))?,
                 '\0'..' ' | '\u{FFFE}' | '\u{FFFF}' => {}
                 c => f.write_char(c)?,
@@ -213,6 +219,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OsmError> {
 fn write_and_rename(staging: &Path, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut file = std::fs::File::create(staging)?;
     file.write_all(bytes)?;
+    // Before the new name is given: after a crash it must not lead to a file that is still empty.
     file.sync_all()?;
     std::fs::rename(staging, path)
 }
@@ -221,6 +228,7 @@ fn write_and_rename(staging: &Path, path: &Path, bytes: &[u8]) -> std::io::Resul
 fn staging_path(path: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
+    // The process in the name keeps two programs apart that write one file.
     name.push(format!(".{}.part", std::process::id()));
     path.with_file_name(name)
 }

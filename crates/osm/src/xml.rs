@@ -22,6 +22,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
     let mut reader = Reader::from_str(text);
     let mut document = Document::default();
     loop {
+        // A problem with an event is reported at its begin.
         let before = reader.buffer_position();
         let event = reader.read_event().map_err(|error| {
             malformed(
@@ -43,6 +44,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
 /// The bytes as text. Other formats are named in the error, since a wrong file is the likeliest
 /// mistake.
 fn text(bytes: &[u8]) -> Result<&str, OsmError> {
+    // A byte order mark, with which some editors begin UTF-8.
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     if let Some(problem) = foreign_format(bytes) {
         return Err(OsmError::malformed(Place::Byte(0), problem));
@@ -70,6 +72,7 @@ fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
 }
 
 fn malformed(text: &str, at: u64, problem: impl Into<Problem>) -> OsmError {
+    // Lines are counted only for an error, not while reading.
     let before = text
         .as_bytes()
         .iter()
@@ -104,6 +107,7 @@ impl Document {
     fn take(&mut self, event: Event<'_>) -> Result<(), Problem> {
         match event {
             Event::Start(start) => {
+                // `begin` sees the depth of the element itself, `end` that of its parent.
                 self.begin(&start)?;
                 self.depth += 1;
             }
@@ -112,6 +116,7 @@ impl Document {
                 self.end();
             }
             Event::End(_) => {
+                // The parser refuses an end without a begin.
                 self.depth = self.depth.saturating_sub(1);
                 self.end();
             }
@@ -137,6 +142,8 @@ impl Document {
     fn begin(&mut self, start: &BytesStart<'_>) -> Result<(), Problem> {
         let name = start.name();
         match (self.depth, name.as_ref()) {
+            // Depth decides, so that an element of a known name deep within an unknown one is
+            // skipped.
             (0, "osm") => self.seen_root = true,
             (0, other) => {
                 return Err(
@@ -157,6 +164,7 @@ impl Document {
     fn begin_element(&mut self, start: &BytesStart<'_>, kind: ElementKind) -> Result<(), Problem> {
         let head = Head::read(start)?;
         self.open = match head.open(kind) {
+            // First, because a deleted node may lack its position without being a bad one.
             _ if head.deleted => {
                 self.data.report.deleted_elements += 1;
                 Open::Nothing
@@ -210,6 +218,7 @@ impl Document {
 
     /// Closes an element at the depth of nodes, ways and relations.
     fn end(&mut self) {
+        // A node, way or relation ends at the depth at which it began. Its children end deeper.
         if self.depth != 1 {
             return;
         }
@@ -293,6 +302,7 @@ fn attributes<'a, const N: usize>(
     names: [&str; N],
 ) -> Result<[Option<Cow<'a, str>>; N], Problem> {
     let mut values = [const { None }; N];
+    // Without a search for duplicates in each element: of these the last counts.
     for attribute in start.attributes().with_checks(false) {
         let attribute =
             attribute.map_err(|error| Problem::caused("unreadable attribute", error))?;

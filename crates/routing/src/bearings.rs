@@ -18,6 +18,7 @@ pub(crate) fn leaving(network: &Network, directed: u32) -> f64 {
 
 /// The direction in which a directed edge reaches its last vertex, degrees clockwise from north.
 pub(crate) fn reaching(network: &Network, directed: u32) -> f64 {
+    // The opposite edge leaves the vertex that this one reaches: its direction, turned round.
     (leaving(network, directed ^ 1) + 180.0) % 360.0
 }
 
@@ -26,6 +27,7 @@ pub(crate) fn reaching(network: &Network, directed: u32) -> f64 {
 pub(crate) fn along(points: impl Iterator<Item = Place>) -> f64 {
     let (mut first, mut last, mut length) = (None, None, 0.0);
     for point in points {
+        // `last` starts as the first point, so its distance to itself adds nothing.
         let before = *last.get_or_insert(point);
         first.get_or_insert(point);
         length += distance(before, point);

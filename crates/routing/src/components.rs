@@ -10,6 +10,7 @@ use crate::search::Searched;
 use crate::turns::TurnGraph;
 
 /// A component of this size is large, however large others are.
+// OSRM's `--small-component-size`, below which a component is "tiny".
 const LARGE_STATES: usize = 1000;
 
 /// The component of each edge.
@@ -35,6 +36,7 @@ impl Components {
         let largest = sizes.iter().max().map_or(0, |size| *size);
         let large = sizes
             .iter()
+            // On a map of fewer states the largest component counts, however small it is.
             .map(|size| *size >= largest.min(LARGE_STATES))
             .collect();
         let of_directed = |directed: u32| match turns {
@@ -46,6 +48,7 @@ impl Components {
             }
             None => of_side(roads, costs, &of_state, directed),
         };
+        // An edge belongs to the largest component of its open directions.
         let of_edge = (0..roads.network.edge_count() as u32).map(|edge| {
             let sides = [2 * edge, 2 * edge + 1];
             let open = sides
@@ -87,6 +90,8 @@ fn sizes(of_state: &[u32]) -> Vec<usize> {
 /// The component from which an open directed edge can be entered and to which it leads.
 fn of_side(roads: &Roads, costs: &Costs<'_>, of_vertex: &[u32], directed: u32) -> Option<u32> {
     let [from, to] = roads.network.ends(directed);
+    // The edge is entered from `from`. It belongs to that component if a traveller on it can get
+    // back into it: over `to`, or by turning round where `to` is a barrier.
     let component = of_vertex[from as usize];
     let can_pass = |vertex: u32| costs.vertices[vertex as usize].weight() < FAR;
     let onwards = can_pass(to) && of_vertex[to as usize] == component;
@@ -135,6 +140,7 @@ impl Tarjan<'_> {
         let mut way = vec![(state, self.find(state))];
         while let Some((state, slot)) = way.last_mut() {
             let state = *state;
+            // One arc for each turn of the loop, so that a state that is found is explored first.
             if *slot < self.arcs.first[state as usize + 1] {
                 let arc = *slot as usize;
                 *slot += 1;
@@ -145,16 +151,21 @@ impl Tarjan<'_> {
                 if self.number[head as usize] == NONE {
                     way.push((head, self.find(head)));
                 } else if self.component[head as usize] == NONE {
+                    // A state of a complete component cannot lead back here: it would be in this
+                    // one. Only open states lower `low`.
                     self.low[state as usize] =
                         self.low[state as usize].min(self.number[head as usize]);
                 }
                 continue;
             }
             way.pop();
+            // All arcs are done: what the state reaches, the one before it reaches too.
             if let Some((before, _)) = way.last() {
                 self.low[*before as usize] =
                     self.low[*before as usize].min(self.low[state as usize]);
             }
+            // Nothing found earlier can be reached: the state is the root of its component. Its
+            // members are the states above it on the stack of open ones.
             if self.low[state as usize] == self.number[state as usize] {
                 self.complete(state);
             }

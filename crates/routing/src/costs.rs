@@ -19,6 +19,7 @@ struct Flagged {
     duration: u32,
 }
 
+// The highest bit, since `FAR` is 2^31 - 1.
 const FLAG: u32 = FAR + 1;
 
 impl Flagged {
@@ -48,6 +49,7 @@ impl EdgeCost {
         else {
             return Self::CLOSED;
         };
+        // `edge.length` is in millimetres.
         let seconds = f64::from(edge.length) / 1000.0 / speed;
         let flag = if ends_only { FLAG } else { 0 };
         Self(Flagged::new(units(seconds * cost) | flag, units(seconds)))
@@ -153,6 +155,8 @@ impl Costs<'_> {
         if !cost.is_open() {
             return FAR;
         }
+        // The penalty is paid once, on the way in from a public vertex. Further edges of the same
+        // private ground begin at vertices that are not public, and cost no more.
         let first = self.vertices[network.ends(directed)[0] as usize];
         let entry = if cost.ends_only() && first.is_public() {
             self.entry
@@ -175,17 +179,20 @@ pub(crate) fn centimetres(network: &Network, directed: u32) -> u32 {
 /// The sum of two weights, [`FAR`] at most.
 #[inline]
 pub(crate) fn sum(a: u32, b: u32) -> u32 {
+    // No overflow: both are at most `FAR`, and twice that fits into `u32`.
     (a + b).min(FAR)
 }
 
 /// Seconds as a weight, [`FAR`] at most.
 #[inline]
 pub(crate) fn units(seconds: f64) -> u32 {
+    // The cast saturates, so an endless time is `FAR` as well.
     (libm::round(seconds * UNITS_PER_SECOND) as u32).min(FAR)
 }
 
 /// The costs of all directed edges.
 pub(crate) fn edge_costs(network: &Network, profile: &Profile) -> Vec<EdgeCost> {
+    // The rules are applied once for each set of tags. Edges share few sets.
     let travels: Vec<_> = network
         .way_tags
         .iter()
@@ -201,6 +208,7 @@ pub(crate) fn vertex_costs(
     profile: &Profile,
     edges: &[EdgeCost],
 ) -> Vec<VertexCost> {
+    // As for edges: once for each set of tags.
     let classes: Vec<_> = network
         .node_tags
         .iter()
@@ -241,6 +249,8 @@ fn flag_junctions(vertices: &mut [Flagged], network: &Network, edges: &[EdgeCost
         let is_open = (0..2).any(|side| edges[(2 * edge + side) as usize].is_open());
         if is_open {
             for vertex in network.ends(2 * edge) {
+                // Only three or more matters, so a count that saturates at 255 is exact enough. A
+                // loop counts twice: a traveller sees two roads.
                 degrees[vertex as usize] = degrees[vertex as usize].saturating_add(1);
             }
         }

@@ -44,11 +44,16 @@ impl Place {
     /// Its position along a Hilbert curve over an Earth of 2^32 by 2^32 cells. Places that are
     /// close on the curve are close on the Earth.
     pub(crate) fn hilbert(self) -> u64 {
+        // Shifted so that the order of signed numbers becomes that of unsigned ones.
         let [mut x, mut y] = [self.lon, self.lat].map(|unit| (i64::from(unit) + (1 << 31)) as u32);
         let mut along = 0_u64;
         for bit in (0..32).rev() {
             let (right, up) = (x >> bit & 1, y >> bit & 1);
+            // The quadrants in the order of the curve: south-west 0, north-west 1, north-east 2,
+            // south-east 3.
             along = along << 2 | u64::from((3 * right) ^ up);
+            // In the two southern quadrants the curve is mirrored at a diagonal. In the south-east
+            // one it is also turned by 180 degrees, so that neighbouring quadrants join.
             if up == 0 {
                 if right == 1 {
                     (x, y) = (!x, !y);
@@ -85,6 +90,7 @@ impl Scale {
         const FLATTENING: f64 = 1.0 / 298.257_223_563;
         const E2: f64 = FLATTENING * (2.0 - FLATTENING);
         let (sine, cosine) = libm::sincos((lat / UNITS).to_radians());
+        // Radii of curvature in the prime vertical (along the parallel) and in the meridian.
         let square = 1.0 - E2 * sine * sine;
         let normal = EQUATOR / square.sqrt();
         let meridian = normal * (1.0 - E2) / square;
@@ -110,6 +116,7 @@ impl Scale {
 
 /// Metres between two places that are near each other.
 pub fn distance(a: Place, b: Place) -> f64 {
+    // The scale half-way, which makes the distance the same in both directions.
     let middle = (f64::from(a.lat) + f64::from(b.lat)) / 2.0;
     let [east, north] = Scale::at(middle).offset(a, b);
     (east * east + north * north).sqrt()

@@ -227,6 +227,7 @@ impl Guide<'_> {
 
     /// The maneuver where one directed edge follows another; `None` if there is nothing to say.
     fn maneuver(&self, from: u32, to: u32) -> Option<Maneuver> {
+        // The road stays the same, so a U-turn is a `continue` with the modifier `uturn`.
         if to == from ^ 1 {
             return Some(Maneuver {
                 kind: Kind::Continue,
@@ -248,13 +249,16 @@ impl Guide<'_> {
                     turn: taken,
                 });
             }
+            // The exits that are passed are counted by `exits_passed` instead.
             (true, true) => return None,
             (false, false) => {}
         }
+        // Roads that the traveller could take instead: not closed ones, and not the way back.
         let exits = self.exits(self.network().ends(from)[1]);
         let others: Vec<Exit> = exits
             .filter(|exit| exit.open && exit.directed != to && exit.directed != from ^ 1)
             .collect();
+        // Without a choice there is no turn to announce, however sharp the bend.
         if others.is_empty() {
             return self.new_name(from, to, taken);
         }
@@ -290,6 +294,8 @@ impl Guide<'_> {
         };
         // Both are nearly straight: keep to the side of the one that is taken.
         let side = if taken > angle(rival) { 1.0 } else { -1.0 };
+        // `modifier` calls turns below `LEAST_FORK_DEG` straight, which would not tell the two
+        // apart.
         let is_clear = taken * side >= LEAST_FORK_DEG;
         let turn = if is_clear {
             taken
@@ -328,6 +334,7 @@ fn is_end_of_road(taken: f64, others: &[f64]) -> bool {
 
 fn arrival(leg: &Leg, line: &Line) -> Step {
     let count = leg.edges.len();
+    // The direction into the goal, seen backwards from it.
     let last = line.part(count.saturating_sub(1)..count);
     let before = (along(last.iter().rev().copied()) + 180.0) % 360.0;
     Step {

@@ -127,6 +127,7 @@ impl<R: Router> RouterTimes<'_, R> {
         };
         let access = a.distance(*first) + b.distance(*last);
         // Places close to each other are reached across open ground.
+        // All metres take the same speed, so the route counts by its length alone.
         direct.max(((access + route.distance) / self.off_road_speed).min(1.5 * direct))
     }
 }

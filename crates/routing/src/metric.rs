@@ -218,7 +218,10 @@ impl Metric {
     pub(crate) fn entry_weight(&self, roads: &Roads, from: u32, to: u32) -> u32 {
         let into = self.edges[to as usize].ends_only();
         let from_public = match &self.turns {
+            // As in `TurnGraph::weight`: the edge before decides, and a U-turn enters nothing.
             Some(_) => !self.edges[from as usize].ends_only() && to != from ^ 1,
+            // As in `Costs::edge_weight`: the search does not know the edge before, only the
+            // vertex.
             None => self.vertices[roads.network.ends(to)[0] as usize].is_public(),
         };
         if into && from_public { self.entry } else { 0 }
@@ -255,12 +258,15 @@ impl Metric {
         let network = &roads.network;
         for &number in edges {
             let edge = &network.edges[number as usize];
+            // Opening is no undo: the profile is asked again, so that it may keep a direction
+            // closed.
             let travels = self.profile.way(&network.way_tags.get(edge.class));
             for (side, travel) in travels.into_iter().enumerate() {
                 let travel = travel.filter(|_| !closed);
                 self.edges[2 * number as usize + side] = EdgeCost::new(edge, travel);
             }
         }
+        // Vertices keep their flags: a blocked road still makes a junction.
         let mut vertices: Vec<u32> = edges
             .iter()
             .flat_map(|edge| network.ends(2 * edge))
@@ -278,8 +284,11 @@ impl Metric {
             }
         }
         let overlay = overlay_of(&self.turns, roads);
+        // Each changed arc joins two of these states, or one of them and a neighbour. The cells
+        // around these states are all cells that contain such an arc.
         Cliques::update(&mut self.cliques, overlay, &self.weights, &states);
         self.components = self.find_components(roads);
+        // Sums along trees that may have changed.
         self.values = OnceLock::new();
     }
 
@@ -303,6 +312,7 @@ impl Metric {
             .iter()
             .flat_map(|vertex| out.of(*vertex))
             .map(|slot| out.via[slot]);
+        // Turns at a vertex lead from the edges that reach it to those that leave it.
         let both = leaving.flat_map(|directed| [directed, directed ^ 1]);
         both.flat_map(|directed| turns.states_of(directed))
             .collect()

@@ -132,6 +132,7 @@ impl SnapOptions {
         let points = roads.network.edge_points(foot.edge);
         let segment = foot.segment as usize;
         let forward = bearing(points.at(segment), points.at(segment + 1));
+        // `contains` takes bearings modulo 360.
         [forward, forward + 180.0].map(|direction| range.contains(direction))
     }
 }
@@ -159,6 +160,7 @@ impl Snap {
     /// in a large component: all are in the same small one.
     pub(crate) fn small_suffices(snaps: &[Self], metric: &Metric) -> bool {
         let component = |snap: &Self| {
+            // `large` is only filled if the nearest place is in a small component.
             let first = snap.nearest.first().filter(|_| !snap.large.is_empty())?;
             metric.components.of(first.edge)
         };
@@ -205,14 +207,17 @@ fn nearest(
         is_usable,
         |foot| {
             let first = found.first();
+            // Feet come nearest first, so none of those that follow is at the same place.
             if first.is_some_and(|first| foot.away > first.away + SAME_M) {
                 return false;
             }
             examined += 1;
+            // Equally far is not enough: two roads may lie on opposite sides of the place.
             let is_same = first.is_none_or(|first| distance(first.place, foot.place) < SAME_M);
             let open = open_directions(roads, metric, options, &foot);
             if is_same && open != [false; 2] {
                 let position = Position::new(roads, foot, open);
+                // A point between two runs of segments is the foot of both.
                 let is_known = found
                     .iter()
                     .any(|known| known.edge == position.edge && known.share == position.share);
@@ -270,6 +275,7 @@ pub(crate) fn several(
         is_usable,
         |foot| {
             let open = open_directions(roads, metric, options, &foot);
+            // Feet on other runs of an edge follow later, since they are farther away.
             if open != [false; 2] && found.iter().all(|known| known.edge != foot.edge) {
                 found.push(Position::new(roads, foot, open));
             }

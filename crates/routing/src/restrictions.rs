@@ -66,6 +66,8 @@ impl Restrictions {
         let mut odd = 0;
         let mut via_ways: &[i64] = &network.via_ways;
         for restriction in network.restrictions.iter() {
+            // Restrictions take their ways off the column in order, those that do not bind the
+            // profile too.
             let count = (restriction.ways as usize).min(via_ways.len());
             let (ways, rest) = via_ways.split_at(count);
             via_ways = rest;
@@ -75,6 +77,8 @@ impl Restrictions {
             };
             let turns = finder.turns(restriction, ways);
             odd += usize::from(turns.is_none());
+            // Relations about the same travelled edges are merged: two `only_` restrictions allow
+            // both of their turns.
             for Turn { travelled, to } in turns.into_iter().flatten() {
                 found.entry((travelled, kind)).or_default().push(to);
             }
@@ -84,6 +88,7 @@ impl Restrictions {
             ..Self::default()
         };
         for ((travelled, kind), to) in found {
+            // A prefix of one edge is the edge's own state.
             let prefixes = (2..=travelled.len()).map(|length| travelled[..length].to_vec());
             all.prefixes.extend(prefixes);
             let rules = all.rules.entry(last_of(&travelled)).or_default();
@@ -99,6 +104,7 @@ impl Restrictions {
 
     /// Sorts the prefixes, and finds those that end with each edge.
     fn number_prefixes(&mut self) {
+        // Restrictions may share a prefix, which must have one number.
         self.prefixes.sort_unstable();
         self.prefixes.dedup();
         for (number, prefix) in (0..).zip(&self.prefixes) {
@@ -127,6 +133,7 @@ impl Restrictions {
             .map_or(&[][..], Vec::as_slice);
         let mut matching = rules
             .iter()
+            // The state holds the longest prefix, so all shorter rules that apply are its endings.
             .filter(|rule| travelled.ends_with(&rule.travelled));
         matching.any(|rule| rule.forbids(to))
     }
@@ -136,6 +143,7 @@ impl Restrictions {
     pub(crate) fn next(&self, travelled: &[u32], to: u32) -> u32 {
         let fits = |number: &&u32| {
             let prefix = self.prefix(**number);
+            // The prefix ends with `to`, and the rest of it was travelled before.
             travelled.ends_with(&prefix[..prefix.len() - 1])
         };
         self.ending(to).iter().find(fits).copied().unwrap_or(NONE)
@@ -177,6 +185,7 @@ struct Finder<'a> {
 
 impl<'a> Finder<'a> {
     fn new(network: &'a Network, is_open: &dyn Fn(u32) -> bool) -> Self {
+        // Only ways that restrictions name are indexed, of all the network's edges.
         let ends: HashSet<i64> = network
             .restrictions
             .iter()
@@ -195,6 +204,8 @@ impl<'a> Finder<'a> {
                         directed,
                     });
                 }
+                // A route through closed edges cannot be travelled, so nothing is forbidden behind
+                // it.
                 if between.contains(&way) && is_open(directed) {
                     leaving.push(EdgeAtNode {
                         way,
@@ -243,6 +254,8 @@ impl<'a> Finder<'a> {
 
     fn turns_after_ways(&mut self, restriction: &Restriction, ways: &[i64]) -> Option<Vec<Turn>> {
         let mut turns = Vec::new();
+        // The relation does not say at which node the first way meets those in between. Each end of
+        // each of its edges is tried.
         let first = self
             .reaching
             .partition_point(|edge| edge.way < restriction.from);
@@ -259,6 +272,8 @@ impl<'a> Finder<'a> {
 
     /// Directed edges of a way that leave a node.
     fn edges_into(&self, way: i64, node: i64) -> impl Iterator<Item = u32> + '_ {
+        // `reaching` has both directions of each edge. The opposite of one that reaches the node
+        // leaves it.
         edges_at(&self.reaching, way, node).map(|directed| directed ^ 1)
     }
 
@@ -276,6 +291,8 @@ impl<'a> Finder<'a> {
             directed: from,
             ..
         } = from;
+        // Breadth first, so each node is reached by fewest edges. No node is reached twice, which
+        // ends the search on loops of ways.
         let mut reached: HashMap<i64, Option<Step>> = HashMap::from([(node, None)]);
         let mut waiting = VecDeque::from([node]);
         while let Some(node) = waiting.pop_front() {

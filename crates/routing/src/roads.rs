@@ -64,6 +64,7 @@ fn in_order(network: Network, order: &[u32]) -> Network {
     }
     let place = |edge: &Edge| [position[edge.from as usize], position[edge.to as usize]];
     let mut edges: Vec<u32> = (0..network.edge_count() as u32).collect();
+    // Edges of one cell become neighbours in memory, as their vertices are.
     edges.sort_by_key(|edge| {
         let [from, to] = place(&network.edges[*edge as usize]);
         (from.min(to), from.max(to))
@@ -116,6 +117,7 @@ fn vertex_arcs(network: &Network) -> Arcs {
         .edges()
         .iter()
         .zip(0_u32..)
+        // No lightest path goes round a loop.
         .filter(|(edge, _)| edge.from != edge.to);
     let both = edges.flat_map(|(edge, i)| {
         let Edge { from, to, .. } = *edge;

@@ -114,6 +114,7 @@ impl MapRouter {
             &options,
             &mut memory.nearest,
         );
+        // The nearest road itself is blocked, also if it is in a small component.
         let edges: Vec<u32> = snap.nearest.iter().map(|position| position.edge).collect();
         self.metric.set_closed(&self.roads, &edges, true);
         !edges.is_empty()
@@ -151,6 +152,7 @@ impl MapRouter {
             .filter(|name| !name.is_empty())
             .map(str::to_owned)
             .collect();
+        // A road is many edges. It is named again if the route comes back to it.
         names.dedup();
         Route {
             points: points.collect(),
@@ -166,6 +168,7 @@ impl Router for MapRouter {
         let mut memory = self.memory.lock().unwrap_or_else(PoisonError::into_inner);
         let RouterMemory { nearest, legs } = &mut *memory;
         let ends = [self.snap(from, nearest)?, self.snap(to, nearest)?];
+        // Ends in small components move to large ones, unless one small component holds both.
         let small = Snap::small_suffices(&ends, &self.metric);
         let [a, b] = ends.each_ref().map(|end| end.positions(small));
         let leg = Leg::find(&self.roads, &self.metric, a, b, legs);

@@ -38,6 +38,7 @@ pub fn through(
     memory: &mut Memory,
 ) -> Option<Vec<Leg>> {
     if !straight || places.len() < 3 || places.iter().any(|place| place.len() > MOST_POSITIONS) {
+        // Without the rule about U-turns the legs do not depend on each other.
         let pairs = places.windows(2);
         return pairs
             .map(|pair| Leg::find(roads, metric, &pair[0], &pair[1], memory))
@@ -63,6 +64,7 @@ pub fn through(
 /// The legs of the lightest route to the last place.
 fn legs_of_lightest(arrivals: Vec<Vec<Arrival>>) -> Option<Vec<Leg>> {
     let last = arrivals.last()?;
+    // Backwards from the lightest arrival at the last place, along what each continued.
     let mut at = (0..last.len()).min_by_key(|i| last[*i].weight)?;
     let mut legs = Vec::with_capacity(arrivals.len());
     for mut there in arrivals.into_iter().rev() {
@@ -130,6 +132,8 @@ impl Search<'_> {
                 .iter()
                 .enumerate()
                 .filter_map(|(i, arrival)| self.extended(from, &goal, i, arrival));
+            // How a route goes on depends on the edge of its arrival alone, so the lightest for
+            // each edge suffices.
             found.extend(routes.min_by_key(|arrival| arrival.weight));
         }
         found

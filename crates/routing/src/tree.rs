@@ -109,6 +109,7 @@ impl Bounds {
     }
 
     fn middle(&self) -> Place {
+        // The sum of two longitudes may exceed `i32`.
         let middle = |a: i32, b: i32| ((i64::from(a) + i64::from(b)) / 2) as i32;
         let [west, south, east, north] = self.0;
         Place {
@@ -135,6 +136,7 @@ impl SegmentTree {
         let (runs, bounds) = sorted_runs(network);
         let rows = rows(runs.len());
         let mut boxes: Vec<Bounds> = bounds.chunks(LEAF).map(Bounds::union_of).collect();
+        // Each row but the highest has a row above it. A node does not reach into the next row.
         for row in rows.windows(2).take(rows.len() - 2) {
             for node in (row[0]..row[1]).step_by(FAN) {
                 boxes.push(Bounds::union_of(&boxes[node..row[1].min(node + FAN)]));
@@ -172,6 +174,8 @@ impl SegmentTree {
             let away = self.boxes[self.rows[top]].squared_distance(place, scale);
             heap.push(Reverse((Distance(away), Found::Box(top as u32, 0))));
         }
+        // Best first: a box is as near as anything in it can be. A foot that leaves the queue is
+        // therefore nearer than all that is left.
         while let Some(Reverse((Distance(away), found))) = heap.pop() {
             if away > limit * limit {
                 return;
@@ -186,6 +190,8 @@ impl SegmentTree {
                     let first = node as usize * LEAF;
                     for run in first..self.runs.len().min(first + LEAF) {
                         if is_usable(self.runs[run].edge) {
+                            // The queue keeps numbers only. The few feet that are shown are
+                            // computed again.
                             let away = self.foot(network, run as u32, place, scale).away;
                             let entry = (Distance(away * away), Found::Foot(run as u32));
                             heap.push(Reverse(entry));
@@ -209,6 +215,7 @@ impl SegmentTree {
     fn foot(&self, network: &Network, run: u32, place: Place, scale: Scale) -> Foot {
         let Run { edge, first } = self.runs[run as usize];
         let points = network.edge_points(edge);
+        // Segments, one fewer than points.
         let last = (points.len() - 1).min(first as usize + RUN);
         let mut nearest = Projected {
             squared_distance: f64::INFINITY,
@@ -243,6 +250,7 @@ fn sorted_runs(network: &Network) -> (Vec<Run>, Vec<Bounds>) {
     for edge in 0..network.edge_count() as u32 {
         let points = network.edge_points(edge);
         for first in (0..points.len() - 1).step_by(RUN) {
+            // A run of `RUN` segments has one point more.
             let bounds = Bounds::around(points.part(first, first + RUN + 1));
             runs.push((
                 Run {
@@ -299,6 +307,7 @@ fn between(a: Place, b: Place, share: f64) -> Place {
     if east.abs() > TURN / 2 {
         east -= east.signum() * TURN;
     }
+    // Back into half a turn to each side, if the segment crosses the 180th meridian.
     let lon = (i64::from(a.lon) + step(east) + TURN / 2).rem_euclid(TURN) - TURN / 2;
     let lat = i64::from(a.lat) + step(i64::from(b.lat) - i64::from(a.lat));
     Place {

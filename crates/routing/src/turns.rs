@@ -115,6 +115,7 @@ impl TurnGraph {
             return units(turns.u_turn);
         }
         let network = &roads.network;
+        // Where only two roads meet a bend is no turn. OSRM charges turns where more than two meet.
         if !costs.vertices[network.ends(from)[1] as usize].is_junction() {
             return 0;
         }
@@ -145,6 +146,8 @@ impl<'a> States<'a> {
     /// For each directed edge one state, and one for each prefix that ends with it.
     fn new(network: &'a Network, restrictions: &'a Restrictions) -> Self {
         let mut order: Vec<u32> = (0..2 * network.edge_count() as u32).collect();
+        // Vertices are in the order of their cells. States in the order of the vertices where they
+        // begin make each cell a range of states.
         order.sort_by_key(|directed| network.ends(*directed)[0]);
         let mut state_of = vec![NONE; order.len()];
         let (mut edge_of, mut prefix_of) = (Vec::new(), Vec::new());
@@ -190,15 +193,19 @@ impl<'a> States<'a> {
     fn arcs(&self) -> Result<Arcs, TooManyTurns> {
         let vertices = self.network.vertices.len() as u32;
         let firsts: Vec<u32> = (0..=vertices).map(|vertex| self.first(vertex)).collect();
+        // Before any turn is listed: their number may be the square of the roads at a junction.
         self.check_turns(&firsts)?;
         let is_road = self.roads();
         let is_road = |directed: u32| is_road[directed as usize / 2];
         let states = self.edge_of.len();
         let open = (0..states as u32).filter(|state| is_road(self.edge_of[*state as usize]));
         let arcs = open.flat_map(|state| {
+            // Restrictions look at the edges of the state's prefix, or at its one edge.
             let travelled = self.travelled(state);
             let vertex = self.end(state);
             let leaving = firsts[vertex]..firsts[vertex + 1];
+            // Each edge once. Which of its states follows depends on what was travelled, see
+            // `next`.
             let alone = leaving.filter(|next| self.prefix_of[*next as usize] == NONE);
             let edges = alone
                 .map(|next| self.edge_of[next as usize])
@@ -258,6 +265,7 @@ impl<'a> States<'a> {
         let prefixes = self.restrictions.ending(to);
         match prefixes.iter().position(|number| *number == prefix) {
             None => alone,
+            // States with a prefix follow that of the edge alone, in the order of `ending`.
             Some(place) => alone + 1 + place as u32,
         }
     }
@@ -272,6 +280,7 @@ impl Turns {
         } else {
             1.0 / self.bias
         };
+        // The formula is in the documentation of `Turns`.
         let steepness = 13.0 / bias * degrees.abs() / 180.0 - 6.5 * bias;
         self.sharpest / (1.0 + libm::exp(-steepness))
     }

@@ -23,6 +23,7 @@ pub(crate) fn beyond(drawn: Rectangle) -> [Rectangle; 4] {
     let (far_west, far_east) = (west - FAR_M, east + FAR_M);
     [
         Rectangle {
+            // South and north span the corners too; west and east lie between them.
             low: [far_west, south - FAR_M],
             high: [far_east, south + OVERLAP_M],
         },

@@ -26,6 +26,7 @@ const BACK_M: f64 = -0.01;
 /// A capital is 80 texels high: at 2 m from the robot's camera a texel is smaller than a pixel.
 const TEXELS_A_METRE: u32 = 320;
 /// Size of the image of a plate, texels.
+// `PLATE_WIDTH_M` and `PLATE_HEIGHT_M` times `TEXELS_A_METRE`.
 const WIDTH: usize = 320;
 const HEIGHT: usize = 144;
 /// Width of the border line, texels.
@@ -54,6 +55,8 @@ pub fn plate_texture(text: &str) -> Texture {
             let ink = if border {
                 1.0
             } else {
+                // Left of the text and above it the difference wraps to a huge number, which is
+                // outside too.
                 coverage.at(x.wrapping_sub(left), y.wrapping_sub(top))
             };
             rgba.extend((0..3).map(|c| mix(PAPER[c], INK[c], ink)));
@@ -161,6 +164,7 @@ fn font() -> &'static Font {
 fn draw_line(text: &str) -> Coverage {
     let font = font();
     let capital = CAPITAL_HEIGHT_M as f32 * (TEXELS_A_METRE as usize * OVERSAMPLING) as f32;
+    // A font's size is not the height of its capitals: it is scaled by that of an H.
     let px = capital * 1000.0 / font.metrics('H', 1000.0).height as f32;
     // A plate cannot show more; memory must not grow with what a map says.
     let text: String = text.chars().take(LONGEST_TEXT).collect();
@@ -192,6 +196,7 @@ fn draw_line(text: &str) -> Coverage {
             let y = top + (i / metrics.width) as i32;
             if let Some(row) = usize::try_from(y).ok().filter(|y| *y < height) {
                 let cell = &mut line.values[row * right + left + i % metrics.width];
+                // Boxes of neighbouring glyphs may overlap.
                 *cell = cell.max(f32::from(*value) / 255.0);
             }
         }
@@ -208,6 +213,7 @@ fn squeeze(line: &Coverage, limit: usize) -> Coverage {
         for x in 0..width {
             let from = (x as f32 * step) as usize;
             let to = ((x + 1) as f32 * step) as usize;
+            // One column at least, also where nothing is narrowed.
             let columns = from..to.max(from + 1);
             let rows = y * OVERSAMPLING..(y + 1) * OVERSAMPLING;
             let count = (columns.len() * rows.len()) as f32;

@@ -38,6 +38,7 @@ impl Holes {
     fn of(texture: &Texture) -> Self {
         let mut bits = vec![0; (texture.width as usize * texture.height as usize).div_ceil(64)];
         for (i, texel) in texture.rgba.chunks_exact(4).enumerate() {
+            // A bit instead of four bytes a texel, so that look-ups touch little memory.
             bits[i / 64] |= u64::from(texel[3] < 128) << (i % 64);
         }
         Self {
@@ -50,6 +51,7 @@ impl Holes {
     /// Whether the texel at `uv` is a hole; the image repeats and v runs upwards.
     #[inline]
     fn has(&self, uv: [f32; 2]) -> bool {
+        // Rounding may give the whole width.
         let x = ((fraction(uv[0]) * self.width as f32) as u32).min(self.width - 1);
         let y = (((1.0 - fraction(uv[1])) * self.height as f32) as u32).min(self.height - 1);
         let i = y as usize * self.width as usize + x as usize;
@@ -73,12 +75,15 @@ impl RayCaster {
     /// figures.
     pub fn new(scene: Arc<Scene>) -> Self {
         let corner = |i: u32| scene.vertices[i as usize].position;
+        // Only cut-out materials can have holes, and only their triangles pay for the test.
         let cutout =
             |i: u32| scene.materials[scene.triangles[i as usize].material.0 as usize].cutout;
         let corners = |t: &Triangle| t.corners.map(corner);
         let visible = TriangleBvh::masked(scene.standing().iter().map(corners), cutout);
         let figure = |range: &Range<u32>| {
             let triangles = &scene.triangles[range.start as usize..range.end as usize];
+            // Numbered as in the scene, so that hits of figures and of standing triangles share the
+            // tables.
             TriangleBvh::numbered(triangles.iter().map(corners), range.start, cutout)
         };
         let figures = scene.figures.iter().map(figure).collect();
@@ -186,6 +191,7 @@ impl Snapshot<'_> {
     /// relative to the instant of the movers: seconds from -[`SWEEP_S`](crate::bvh::SWEEP_S) to 0.
     #[inline]
     pub fn cast_packet(&self, rays: &RayPacket, lags: &Lane) -> PacketHits {
+        // The standing world first: its hits shorten the rays for the movers.
         let mut hits = self.caster.cast_packet(rays);
         if !self.movers.is_empty() {
             let opaque = &|hit: &Hit| !self.caster.is_hole(hit);

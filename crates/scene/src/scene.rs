@@ -151,6 +151,7 @@ pub struct Scene {
 impl Scene {
     /// Triangles that stand in the world.
     pub fn standing(&self) -> &[Triangle] {
+        // Triangles of figures come after all that stand.
         let first = self
             .figures
             .first()
@@ -166,6 +167,7 @@ impl Scene {
             self.materials.len() as u32,
             self.textures.len() as u32,
         );
+        // What the figure brings is appended, and its indices are shifted by what is there already.
         let first = self.triangles.len() as u32;
         self.vertices.extend(&figure.vertices);
         self.textures.extend(figure.textures.iter().cloned());
@@ -287,6 +289,7 @@ impl SceneBuilder {
         corners: &[Corner],
         triangles: &[[u32; 3]],
     ) -> usize {
+        // All corners are kept, so that indices hold; those of no triangle are never looked at.
         let is_usable = |i: &u32| corners.get(*i as usize).is_some_and(Corner::is_usable);
         let kept: Vec<[u32; 3]> = triangles
             .iter()
@@ -314,6 +317,7 @@ impl SceneBuilder {
             material,
         }));
         let object = scene.objects.len() as u32;
+        // The object that was begun last, counted from 1; 0 before the first.
         scene.object_numbers.resize(scene.triangles.len(), object);
     }
 

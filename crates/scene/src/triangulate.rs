@@ -24,6 +24,7 @@ pub(crate) fn triangulate(outer: &[MapPoint], holes: &[Vec<MapPoint>]) -> Vec<[M
     // From the right on: a hole that is joined belongs to the ring when the next one is.
     rest.sort_by(|a, b| rightmost(b).total_cmp(&rightmost(a)));
     for hole in rest {
+        // Further holes are filled rather than joined: ear clipping takes quadratic time.
         if ring.len() + hole.len() < 2 * MAX_CORNERS {
             ring = bridged(&ring, &hole);
         }
@@ -93,6 +94,7 @@ fn clip_ears(mut ring: Vec<MapPoint>) -> Vec<[MapPoint; 3]> {
     while ring.len() > 3 {
         let n = ring.len();
         let corner = [ring[(at + n - 1) % n], ring[at % n], ring[(at + 1) % n]];
+        // From where the last ear was: one after the other, round the ring.
         if tried <= n && !is_ear(&ring, corner) {
             at = (at + 1) % n;
             tried += 1;
@@ -124,6 +126,7 @@ fn is_ear(ring: &[MapPoint], [a, b, c]: [MapPoint; 3]) -> bool {
     area > 0.0
         && !ring
             .iter()
+            // By place, not by number: a bridge repeats two corners.
             .any(|p| *p != a && *p != b && *p != c && inside(p))
 }
 

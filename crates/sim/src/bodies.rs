@@ -69,6 +69,7 @@ impl Bodies {
             Hull::Disc { radius } => (person(radius), SemanticClass::Person),
             Hull::Box { .. } => (car(look), SemanticClass::Vehicle),
         };
+        // A kinematic body follows its leg whatever touches it, so the robot cannot push it.
         let collider = collider.friction(FRICTION).enabled(false);
         let body = RigidBodyBuilder::kinematic_position_based();
         let (body, collider) = world.insert(body, collider);
@@ -95,6 +96,8 @@ impl Bodies {
             if near.is_some() != slot.leg.is_some() {
                 world.colliders[slot.collider].set_enabled(near.is_some());
                 if let Some(leg) = near {
+                    // Not as the goal of a step: the engine would derive a huge speed from the
+                    // jump.
                     world.bodies[slot.body].set_position(upright(leg.at(0.0), leg.ground), true);
                 }
             }

@@ -28,6 +28,7 @@ pub(crate) struct SimCamera {
     pose: Pose3,
     movers: Arc<Movers>,
     time: SimTime,
+    // Cells, since an agent asks for an image through a shared reference.
     last: Cell<Option<SimTime>>,
     image: RefCell<Option<Arc<Image>>>,
     exposure: Cell<AutoExposure>,
@@ -92,6 +93,7 @@ impl SimCamera {
 
     /// The camera's view now, in an image whose sides are smaller by `factor`.
     fn view(&self, factor: u32, exposure: f32) -> View {
+        // Size and focal length shrink alike, so the small view has the same field of view.
         let (width, height) = (
             self.size.width.div_ceil(factor),
             self.size.height.div_ceil(factor),
@@ -101,6 +103,7 @@ impl SimCamera {
             size: ImageSize::new(width, height),
             focal_length: self.focal_length / f64::from(factor),
             range: RANGE_M,
+            // Shadows cost a second ray for each pixel.
             shadows: false,
             exposure,
         }
@@ -109,6 +112,8 @@ impl SimCamera {
 
 impl Camera for SimCamera {
     fn image(&self) -> Option<Arc<Image>> {
+        // A second request at the same instant gives the same image, and the exposure is adjusted
+        // once.
         if self.last.get() == Some(self.time) {
             return self.image.borrow().clone();
         }

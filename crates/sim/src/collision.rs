@@ -43,6 +43,8 @@ impl ContactHistory {
     pub(crate) fn begins_collision(&mut self, class: SemanticClass, now: SimTime) -> bool {
         match self.last.iter_mut().find(|contact| contact.class == class) {
             Some(contact) => {
+                // Every contact renews the time, so a robot that scrapes along a wall collides with
+                // it once.
                 let before = std::mem::replace(&mut contact.time, now);
                 now.0 - before.0 > SAME_COLLISION_NS
             }

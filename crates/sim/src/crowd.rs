@@ -83,9 +83,12 @@ impl Crowd {
                     to: mover.pose,
                     ground: *ground,
                 };
+                // A mover that has just come in or left has no leg: it would sweep across the map.
                 (before.present && mover.present).then_some(leg)
             });
         physics.set_movers_out(robot.position, legs);
+        // The figures stand where the legs end. Rays that are fired earlier see them earlier, by
+        // their velocity (`lags` of packets).
         self.show(caster, figures);
     }
 
@@ -112,6 +115,8 @@ impl Crowd {
                 continue;
             }
             let height = ground_height(caster, mover.pose.point());
+            // The ray down may hit what the mover passes under or beside: then the last height
+            // stays.
             if (height - self.grounds[i]).abs() < MAX_STEP_M {
                 self.grounds[i] = height;
             }

@@ -29,6 +29,9 @@ impl AutoExposure {
 
     /// Adjusts the exposure by an image (RGB, sRGB) that was taken with it `seconds` ago.
     pub(crate) fn learn(&mut self, rgb: &[u8], seconds: f64) {
+        // An exponential approach in closed form, so settling does not depend on how often images
+        // are taken. The image was taken with the present exposure, so its error is relative to
+        // that.
         let share = 1.0 - libm::exp(-seconds.max(0.0) / SETTLING_S);
         self.stops = (self.stops + share * error_stops(rgb)).clamp(-MAX_STOPS, MAX_STOPS);
     }
@@ -44,6 +47,7 @@ impl AutoExposure {
 /// Stops between an image's mean and the target. Grey values grow with the square root of the
 /// light.
 fn error_stops(rgb: &[u8]) -> f64 {
+    // A black image has no logarithm; one grey value is dark enough to reach the bound.
     2.0 * libm::log2(TARGET / mean(rgb).max(1.0))
 }
 

@@ -82,8 +82,11 @@ impl Imu {
     /// The sample at `stamp`. The specific force is the mean since the last sample.
     pub(crate) fn sample(&mut self, stamp: SimTime, physics: &Physics) -> ImuSample {
         let base = physics.base_link();
+        // Physics reports in `map`; the unit measures along its own axes.
         let to_sensor = (base.rotation * self.mount.rotation).inverse();
+        // At the unit's own place, so that turns and tilts of the robot accelerate it.
         let velocity = physics.velocity_at(self.mount.translation.vector);
+        // Specific force is acceleration less gravity: at rest, the unit measures gravity upwards.
         let acceleration = (velocity - self.last_velocity) / SAMPLE_S + Vector3::z() * GRAVITY;
         self.last_velocity = velocity;
         let gyro = self
@@ -120,6 +123,8 @@ impl Triad {
 
     /// The measurement of `truth`.
     fn measure(&mut self, truth: Vector3<f64>, noise: &mut Noise) -> Vector3<f64> {
+        // The variance of a random walk grows with time, so its steps grow with the root of the
+        // interval.
         self.bias += normal3(noise) * (self.errors.walk * SAMPLE_S.sqrt());
         let analog =
             truth.component_mul(&self.scale) + self.bias + normal3(noise) * self.errors.white;

@@ -29,6 +29,7 @@ const TIPPED_COSINE: f64 = 0.5;
 /// height of the ground at its start, metres.
 pub(crate) fn left_world(base_link: &Pose3, bounds: &Bounds, ground: f64) -> Option<LeftWorld> {
     let [x, y, z] = base_link.translation.vector.into();
+    // "Not inside" rather than "outside", and first: comparisons with NaN are false.
     if !(z.is_finite() && bounds.holds(MapPoint::new(x, y), OUTSIDE_M)) {
         return Some(LeftWorld::OutOfBounds);
     }

@@ -137,6 +137,7 @@ impl Motors {
     /// Brings the rims' speeds towards those of the commanded velocity, as fast as the motors can.
     /// NaN and infinity count as zero.
     fn drive(&mut self, command: Velocity) {
+        // The limits of velocity apply to the command, that of acceleration to each rim.
         let linear = or_zero(command.linear).clamp(-self.max_backward, self.max_forward);
         let turn = or_zero(command.angular).clamp(-self.max_turn, self.max_turn) * self.track / 2.0;
         let change = self.max_acceleration * STEP_S;
@@ -164,11 +165,14 @@ impl Physics {
         start: Pose2,
         ground: f64,
     ) -> Self {
+        // The engine is built for double precision, so that a body kilometres from the origin moves
+        // as one near it.
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
         world.integration_parameters.dt = STEP_S;
         let ground_collider = ColliderBuilder::new(solids.mesh.clone()).friction(HULL_FRICTION);
         world.insert_collider(ground_collider, None);
+        // The body's origin is at the height of the hubs; `base_link` is below it on the ground.
         let chassis_height = robot.wheel_radius;
         let pose = upright(start, ground + chassis_height);
         // A sleeping body would not feel the forces of its wheels.
@@ -255,6 +259,8 @@ impl Physics {
             let PairContacts::Rigid(contacts) = &pair.contacts else {
                 continue;
             };
+            // The engine may solve clusters of contacts instead of the contacts: those hold the
+            // impulses.
             let solved = contacts.solver_manifolds().iter().flat_map(|m| &m.points);
             impulse += solved.map(|p| p.data.impulse).sum::<f64>();
             let hull_is_second = pair.collider2 == self.hull;
@@ -267,6 +273,8 @@ impl Physics {
                 let distance = distance(manifold);
                 if distance < nearest {
                     nearest = distance;
+                    // A part of a triangle mesh is a triangle, numbered as in the scene's solid
+                    // layer.
                     let triangle = if hull_is_second {
                         manifold.subshape1
                     } else {
@@ -276,6 +284,7 @@ impl Physics {
                 }
             }
         }
+        // Pairs without an impulse are near each other and do not touch.
         (impulse > 0.0).then_some(Contact { class, impulse })
     }
 
@@ -307,9 +316,13 @@ impl Physics {
     /// Applies the forces of the suspension and of the tyres to the body.
     fn push_wheels(&mut self, caster: &RayCaster) {
         let body = &mut self.world.bodies[self.body];
+        // Forces persist in the engine until they are reset.
         body.reset_forces(true);
         body.reset_torques(true);
         let pose = *body.position();
+        // Skid steering comes out of this by itself: in a turn all four tyres slide sideways, and
+        // the rims run faster than the body turns. That is why `effective_track` is wider than the
+        // wheels are apart.
         let forward = pose.rotation * Vector::X;
         let left = pose.rotation * Vector::Y;
         let up = pose.rotation * Vector::Z;
@@ -318,6 +331,8 @@ impl Physics {
             let hub = pose.translation + forward * wheel.x + left * wheel.y;
             let from = hub + up * LIFT_M;
             let length = (REACH_M + LIFT_M) as f32;
+            // Wheels roll on solid triangles only: on no leaves, and on no movers. The ray is in
+            // single precision, but on level ground its length depends on heights alone.
             let Some(hit) = caster.solid().cast(single(from), single(down), length) else {
                 continue;
             };
@@ -325,10 +340,13 @@ impl Physics {
             let foot = from + down * distance;
             let velocity = body.velocity_at_point(foot);
             let travel = REACH_M + LIFT_M - distance;
+            // A wheel pushes and never pulls: the ground does not hold it.
             let load = (SPRING * travel - DAMPER * velocity.dot(up)).clamp(0.0, MAX_LOAD_N);
             let slip_x = velocity.dot(forward) - self.motors.rim(wheel.side);
             let slip_y = velocity.dot(left);
             let slip = (slip_x * slip_x + slip_y * slip_y).sqrt();
+            // Both directions share one slip, so their forces together stay within the friction
+            // circle. Below the saturation the force grows in proportion to the slip.
             let grip = TYRE_FRICTION * load / slip.max(SATURATION);
             let force = up * load - forward * (grip * slip_x) - left * (grip * slip_y);
             body.add_force_at_point(force, foot, true);

@@ -7,6 +7,8 @@
 pub(crate) fn fraction(x: f32) -> f32 {
     // One and a half times 2^23: the sum with a number has no binary digits behind the point.
     const ROUND: f32 = 12_582_912.0;
+    // The nearest integer. Rust keeps the order of floating-point operations, so this is not
+    // simplified.
     let near = (x + ROUND) - ROUND;
     let rest = if near > x { x - near + 1.0 } else { x - near };
     if x.abs() < 4_194_304.0 { rest } else { 0.0 }
@@ -19,6 +21,8 @@ pub(crate) fn whole(x: f32) -> u32 {
     const ROUND: f32 = 8_388_608.0;
     let x = if x > 0.0 { x } else { 0.0 };
     let x = if x < 4_194_304.0 { x } else { 4_194_304.0 };
+    // Between 2^23 and 2^24 the bits of the mantissa count units. Where the sum was rounded up, one
+    // is taken away.
     let near = x + ROUND;
     (near.to_bits() & 0x7f_ffff) - u32::from(near - ROUND > x)
 }

@@ -77,6 +77,7 @@ impl Simulator {
         let camera = SimCamera::new(stage.renderer.clone(), &robot);
         let watch = RobotWatch::new(robot.max_acceleration);
         let mut simulator = Self {
+            // First, since `robot` and `physics` move into the fields below.
             lidar_path: vec![physics.base_link() * robot.lidar],
             stage,
             robot,
@@ -132,6 +133,8 @@ impl Simulator {
         seed: u64,
     ) -> Result<Self, SimError> {
         let start = self.robot_state().position;
+        // Only places connected with the robot's own: nobody walks in a closed yard or inside a
+        // building.
         let space = FreeSpace::new(self.stage.caster(), start, PERSON_RADIUS_M);
         self.with_traffic(Traffic::new(
             map,
@@ -236,6 +239,7 @@ impl Simulator {
         let seconds = OBSERVATION_NS as f64 * 1e-9;
         self.watch
             .update(seconds, &robot, rim > STANDING_SPEED, crowd.movers());
+        // The camera still shares the figures of the last step, and keeps those: this copies them.
         let figures = Arc::make_mut(&mut self.movers);
         crowd.step(robot, self.stage.caster(), &mut self.physics, figures);
     }
@@ -262,11 +266,13 @@ impl Simulator {
                 .as_mut()
                 .and_then(|gnss| gnss.fix(caster, self.time, &base));
         }
+        // Last, so that the collision has the pose and the time of this step.
         self.note_contact();
     }
 
     fn take_scan(&mut self) {
         let began = SimTime(self.time.0 - SCAN_NS);
+        // Scans end where steps end, and the movers already have the places of that instant.
         let seen = self.stage.snapshot(&self.movers);
         self.scan = Some(self.lidar.scan(seen, began, &self.lidar_path));
         // The next scan begins at the last pose of this one.

@@ -42,6 +42,7 @@ impl Stage {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn with_figures(mut scene: Scene, plan: TrafficPlan) -> Result<Self, SimError> {
+        // Figures are triangles of the scene, so they are added before its trees are built.
         let gallery = Arc::new(Gallery::add(&mut scene, plan));
         Ok(Self {
             gallery,

@@ -160,10 +160,12 @@ pub fn trial(
         samples: 0,
     };
     let mut errors: Vec<PoseError> = Vec::new();
+    // The start is known, as an agent knows it from its briefing.
     localizer.reset(prepared.world.start);
     let driven = drive(prepared, &tour, &mut |simulator, _| {
         let truth = Pose2::from_pose3(&simulator.base_link());
         sensors.show(&simulator.observation(), localizer);
+        // Until then the pose is not meant to be trusted, so it is not judged.
         if localizer.ready() {
             let estimate = PoseEstimate {
                 pose: localizer.pose(),
@@ -267,6 +269,7 @@ impl Degraded {
             Degradation::Late(ms) => scan.stamp = stamp + Duration::from_millis(ms),
             Degradation::Blinded(degrees) if is_occluded(stamp) => {
                 let half = degrees.to_radians() / 2.0;
+                // Strictly less: at 0 degrees not even a point straight ahead is left.
                 scan.points.retain(|point| bearing(point.xyz).abs() < half);
             }
             _ => scan
@@ -283,6 +286,7 @@ impl Degraded {
             Degradation::Noisy(factor) => {
                 // Along the ray, as the error of a range is.
                 let added = added_noise(factor) * RANGE_NOISE_M;
+                // The lower bound avoids a division by zero for a point at the sensor.
                 at * (1.0 + self.normal(added) / at.norm().max(0.1))
             }
             Degradation::Quantised(metres) => at.map(|x| (x / metres).round() * metres),
@@ -302,6 +306,7 @@ fn seen_turned(point: Vector3<f64>, axis: UnitVector3<f64>, degrees: f64) -> Vec
 /// Noise to add, in standard deviations of the simulated noise, so that the sum has `factor` of
 /// them.
 fn added_noise(factor: f64) -> f64 {
+    // Variances add, in units of the simulated one: 1 + added² = factor².
     (factor * factor - 1.0).max(0.0).sqrt()
 }
 

@@ -142,6 +142,8 @@ struct Space<'a> {
 impl Space<'_> {
     fn path(&self, from: MapPoint, to: MapPoint) -> Option<Vec<MapPoint>> {
         [&self.wide, self.narrow].into_iter().find_map(|space| {
+            // Start and destination may be nearer to obstacles than the clearance: the path then
+            // leads from and to the nearest free place.
             let near = |place| space.nearest_reachable(place, 2.0 * CLEARANCE_M);
             space.path(near(from)?, near(to)?)
         })
@@ -202,6 +204,8 @@ impl<'a> Driver<'a> {
         let Some(target) = self.target(here.point()) else {
             return Velocity::new(0.0, 0.5);
         };
+        // The robot's limits are 0.5 m/s and 1 rad/s. Towards the side it drives more slowly, and
+        // far to the side it only turns.
         let bearing = wrap_angle(here.point().bearing_to(target) - here.yaw);
         if bearing.abs() > TURN_ON_SPOT_RAD {
             return Velocity::new(0.0, (2.0 * bearing).clamp(-1.0, 1.0));
@@ -222,6 +226,7 @@ impl<'a> Driver<'a> {
             let place = self.places[self.next % self.places.len()];
             self.next += 1;
             self.at = 0;
+            // A place without a path leaves the path empty, so the loop tries the next one.
             self.path = self
                 .space
                 .path(here, place)
@@ -273,6 +278,7 @@ fn dense(path: &[MapPoint]) -> Vec<MapPoint> {
 fn doors(prepared: &Prepared, noise: &mut Noise) -> Vec<MapPoint> {
     let mut places: Vec<MapPoint> = prepared.approach.iter().flatten().copied().collect();
     for i in (1..places.len()).rev() {
+        // Fisher-Yates. The remainder keeps the index in range, however the product is rounded.
         places.swap(i, (noise.uniform() * (i + 1) as f64) as usize % (i + 1));
     }
     places

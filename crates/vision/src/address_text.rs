@@ -56,6 +56,7 @@ pub struct UnitText {
 pub fn parse_unit(text: &str) -> Option<UnitText> {
     let folded: String = fold_name(text)
         .chars()
+        // Marks between word and number, as in `No. 12`, `UNIT-3`, `N° 4`.
         .filter(|c| !matches!(c, '.' | ':' | '#' | '-' | '°' | '：' | '．'))
         .collect();
     let candidates = [after_word(&folded), before_word(&folded), bare(&folded)];
@@ -70,6 +71,8 @@ fn after_word(text: &str) -> Option<UnitText> {
     let letters: Vec<char> = text.chars().collect();
     let mut best: Option<UnitText> = None;
     for word in WORDS {
+        // The word with one letter less, as many, or one more, but no single letter, which says
+        // nothing. `word.len()` is in letters, since these words are ASCII.
         for length in
             word.chars().count().saturating_sub(1).max(2)..=(word.len() + 1).min(letters.len())
         {
@@ -116,6 +119,7 @@ fn bare(text: &str) -> Option<UnitText> {
 
 /// All letters as the number of a unit with a word for "unit".
 fn number(letters: &[char]) -> Option<UnitText> {
+    // Also keeps `value` far below the limit of `u32`.
     if letters.is_empty() || letters.len() > MAX_DIGITS {
         return None;
     }
@@ -125,6 +129,7 @@ fn number(letters: &[char]) -> Option<UnitText> {
         value = 10 * value + digit.value;
         score *= digit.score;
     }
+    // Units are counted from 1.
     (value > 0).then(|| UnitText {
         unit: format!("unit{value}"),
         score,
@@ -171,6 +176,8 @@ fn western_digit(letter: char) -> char {
 /// word of at least four letters, `None` for more mistakes.
 fn likeness(letters: &[char], word: &str) -> Option<f32> {
     let word: Vec<char> = word.chars().collect();
+    // Of equal length a mistake is a replaced letter; of lengths that differ by one it is a letter
+    // too many or missing. Together this is an edit distance of at most one.
     if letters.len() == word.len() {
         let wrong = letters
             .iter()
@@ -215,6 +222,7 @@ fn look_alike(letter: char) -> char {
     match letter {
         '1' | 'l' | '|' | '!' => 'i',
         '0' => 'o',
+        // Only in words, which have no digits. In numbers a 7 is a digit.
         '7' => 't',
         other => other,
     }

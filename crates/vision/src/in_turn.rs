@@ -52,8 +52,11 @@ impl PlateReader for InTurn {
     }
 
     fn read(&mut self, image: &Image) -> Result<Vec<PlateReading>, ReaderError> {
+        // There is at least one reader: `new` takes the first one by itself.
         let last = self.readers.len() - 1;
         for (index, attempted) in self.readers.iter_mut().enumerate() {
+            // The last one is always asked: without it there would be neither readings nor an
+            // error.
             if attempted.failures >= MAX_FAILURES && index < last {
                 continue;
             }
@@ -62,6 +65,8 @@ impl PlateReader for InTurn {
                     attempted.failures = 0;
                     return Ok(readings);
                 }
+                // An image that nobody can read says nothing about the reader, so it is no failure
+                // of it.
                 Err(error) if error.is_about_image() || index == last => return Err(error),
                 Err(_) => attempted.failures += 1,
             }

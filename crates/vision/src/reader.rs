@@ -85,6 +85,8 @@ pub(crate) fn sort_readings(readings: &mut [PlateReading]) {
     readings.sort_by(|a, b| {
         b.confidence
             .total_cmp(&a.confidence)
+            // A total order, so that equal images have equal readings whatever the order of
+            // detection.
             .then_with(|| by_place(&a.corners, &b.corners))
     });
 }

@@ -71,6 +71,7 @@ pub fn make(
     list: &str,
     context: &mut ReaderContext<'_>,
 ) -> Result<Box<dyn PlateReader>, MakeReaderError> {
+    // An empty list yields an empty name, and so the error that names what there is.
     let mut names = readers.split(list).into_iter();
     let first = make_one(readers, names.next().unwrap_or_default(), context)?;
     let others: Vec<_> = names

@@ -128,6 +128,7 @@ fn plates(answer: &str, image: &Image) -> Result<Vec<PlateReading>, AnswerError>
     let value = json_within(answer).ok_or_else(|| AnswerError::NoJson {
         quoted: quote(answer),
     })?;
+    // Models without schemas may leave out the object around the list.
     let list = value.get("plates").unwrap_or(&value);
     let list = list.as_array().ok_or_else(|| AnswerError::NoList {
         quoted: quote(answer),
@@ -141,6 +142,7 @@ fn plates(answer: &str, image: &Image) -> Result<Vec<PlateReading>, AnswerError>
 
 /// The JSON object or list in an answer, from its first bracket or brace on.
 fn json_within(answer: &str) -> Option<Value> {
+    // The deserializer stops behind the first value, so prose or a fence after it does no harm.
     let start = answer.find(['{', '['])?;
     let mut values = serde_json::Deserializer::from_str(&answer[start..]).into_iter();
     values.next()?.ok()
@@ -152,12 +154,14 @@ fn reading(plate: &Value, image: &Image) -> Option<PlateReading> {
         .as_str()
         .map(str::trim)
         .filter(|text| !text.is_empty())?;
+    // No plate is that long: the model describes the image instead of reading it.
     if text.chars().count() > MAX_TEXT_CHARS {
         return None;
     }
     let stated = plate["confidence"]
         .as_f64()
         .map_or(DEFAULT_CONFIDENCE, |confidence| confidence as f32);
+    // A number may be finite as `f64` and infinite as `f32`, and `clamp` keeps NaN.
     let confidence = if stated.is_finite() {
         stated.clamp(0.0, 1.0)
     } else {
@@ -183,6 +187,7 @@ fn sides(stated: &Value, width: f32, height: f32) -> Option<[f32; 4]> {
     let top = side(&stated[1], height)?;
     let right = side(&stated[2], width)?;
     let bottom = side(&stated[3], height)?;
+    // Also false for boxes that clipping has made empty, which lie outside the image.
     (left < right && top < bottom).then_some([left, top, right, bottom])
 }
 
@@ -193,6 +198,7 @@ fn side(stated: &Value, limit: f32) -> Option<f32> {
 fn quote(answer: &str) -> String {
     answer
         .chars()
+        // Errors are printed in one line, and an answer must not control the terminal.
         .map(|c| if c.is_control() { ' ' } else { c })
         .take(QUOTED_CHARS)
         .collect()

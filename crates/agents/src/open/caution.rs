@@ -70,6 +70,7 @@ impl Caution {
     /// Halving the planned velocity instead would halve it again and again, since the planner
     /// starts from the current velocity, until the robot creeps.
     pub fn slowed(velocity: Velocity, robot: &RobotDescription) -> Velocity {
+        // A velocity of zero gives infinity here, and so a share of 1.
         let part = |now: f64, most: f64| (SLOW_SHARE * most / now.abs()).min(1.0);
         let part =
             part(velocity.linear, robot.max_forward).min(part(velocity.angular, robot.max_turn));

@@ -77,6 +77,7 @@ impl Catalogue {
                 key: "ground",
                 about: "pavements: prefer them, with detours of up to a fifth",
                 values: owned(["alike", "pavements"]),
+                // Written out: `Preferences` and the flag of `thinking` have no names of their own.
                 default: "alike".to_owned(),
             },
             Choices {

@@ -45,6 +45,7 @@ pub fn doorstep(door: &Sighting, from: f64, near: &Costmap) -> Doorstep {
     let distances = (0..=steps).map(|i| from + STEP_M * f64::from(i));
     let views = distances.flat_map(|distance| ASIDES_RAD.map(|aside| View { distance, aside }));
     let free = views.filter(|view| is_free(&view.of(door)));
+    // Of equal costs the first wins: the nearest distance, then straight in front.
     let best = free.reduce(|best, view| {
         if view.cost() < best.cost() {
             view
@@ -57,6 +58,8 @@ pub fn doorstep(door: &Sighting, from: f64, near: &Costmap) -> Doorstep {
         aside: 0.0,
     });
     Doorstep {
+        // Whether the place can be reached is known only by driving there. The next attempt begins
+        // beyond this one, so attempts end at `FARTHEST_M`.
         place: view.of(door),
         next: view.distance + FARTHER_M,
     }

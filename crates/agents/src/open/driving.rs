@@ -115,6 +115,8 @@ impl Driver {
 
     /// Adds a scan to the costmaps and to the tracker of people.
     pub fn observe(&mut self, ring: &RangeRing, now: SimTime) {
+        // New points are those on ground that was free so far. They are found before the scan
+        // enters the costmap, where they would be known obstacles.
         self.window.follow(self.terrain.near(), ring.center);
         let low = self.terrain.near().new_points(ring);
         let seen = NewPoints {
@@ -124,6 +126,8 @@ impl Driver {
         };
         self.tracker
             .update(SimTime(now.0.saturating_sub(HALF_SCAN_NS)), &seen);
+        // People are obstacles of the tracker, with a velocity. In the costmaps they would stay as
+        // static obstacles where they have been.
         self.window
             .observe_static(ring, |point| self.tracker.covers(point));
         self.terrain
@@ -140,6 +144,7 @@ impl Driver {
     /// Continues after the robot stood for this long for another reason: that time does not count.
     pub fn resume(&mut self, stood: Duration) {
         self.navigator.resume(stood);
+        // The next call then measures no time, so the pause does not count.
         self.patience.looked = None;
     }
 
@@ -172,6 +177,7 @@ impl Driver {
         let Some(target) = self.target else {
             return Driving::Arrived;
         };
+        // The robot stands on this ground, so it is free, whatever was seen there before.
         self.terrain.near_mut().clear_below(&self.footprint, pose);
         self.window.clear_below(&self.footprint, pose);
         let mut obstacles = self.window.obstacles_near(pose.point(), SIGHT_M);
@@ -185,6 +191,7 @@ impl Driver {
             obstacles: &obstacles,
         };
         let decided = self.navigator.drive(&surroundings, &mut self.terrain);
+        // First, since the first path sets the time limit that `is_spent` tests.
         self.report(events);
         let late = self.patience.is_spent();
         let driving = match decided {
@@ -194,6 +201,7 @@ impl Driver {
             Navigation::Drive(velocity) => Driving::OnTheWay(velocity),
             // The path led to a place from which more can be seen, and continues from there.
             Navigation::Arrived if self.terrain.is_partial() && !late => {
+                // `patience` is kept: each partial path counts against the same time limit.
                 self.navigator.set_goal(target.point, target.yaw);
                 Driving::OnTheWay(Velocity::ZERO)
             }
@@ -214,6 +222,8 @@ impl Driver {
         let path = self.navigator.path();
         if !path.is_empty() && path != self.reported {
             let length = length(path);
+            // Later paths are compared with the first one, which was planned without the obstacles
+            // that were seen since.
             self.first_length.get_or_insert(length);
             self.patience.begin(length);
             events.record(Event::Path(path.to_vec()));
@@ -255,7 +265,10 @@ impl Patience {
             .looked
             .map_or(Duration::ZERO, |looked| now.since(looked));
         self.looked = Some(now);
+        // Before the first path there is no limit yet, but `looked` is up to date for the first
+        // one.
         let Some(left) = &mut self.left else { return };
+        // Bounded, so that somebody who stays near for good does not stop the clock for ever.
         if is_anybody_near && self.among_people < LONGEST_AMONG_PEOPLE {
             self.among_people += passed;
         } else {

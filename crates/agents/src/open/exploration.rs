@@ -63,6 +63,8 @@ impl Waypoint {
     /// The same view from in front of the first obstacle between the wall and the waypoint, such as
     /// a hedge or a parked car; `None` if there is none, or no room in front of it.
     pub fn before_obstacles(&self, costmap: &Costmap) -> Option<Self> {
+        // From the wall outwards. In front of an obstacle nearer than `from` there is no room to
+        // stand.
         let back = self.place.yaw + std::f64::consts::PI;
         let from = NEAREST_M + FROM_OBSTACLE_M;
         let steps = ((self.standoff - from) / 0.1).max(0.0) as usize;
@@ -80,6 +82,7 @@ impl Waypoint {
         let back = self.place.yaw + std::f64::consts::PI;
         let at = self.wall.offset(back, standoff);
         let place = Pose2::new(at.x, at.y, self.place.yaw);
+        // Along the same line of sight both distances shrink in proportion.
         let from_wall = self.from_wall * standoff / self.standoff;
         (standoff >= NEAREST_M && !self.second).then_some(Self {
             place,
@@ -95,6 +98,8 @@ impl Waypoint {
 pub fn sees_plates_from(robot: &RobotDescription) -> f64 {
     let optics = robot.camera_intrinsics;
     let upwards = f64::from(optics.height) / 2.0 / optics.focal_length();
+    // A level camera sees up to `upwards` metres above itself per metre of distance. A camera above
+    // the plates sees them from anywhere.
     ((PLATE_TOP_M - robot.camera.translation.z) / upwards).max(0.0)
 }
 
@@ -125,10 +130,14 @@ pub fn waypoints(map: &OsmMap, building: usize, standoff: f64, sees_from: f64) -
         let outwards = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
         let count = (length / spacing).ceil().max(1.0) as usize;
         for k in 0..count {
+            // In the middle of equal parts: no candidate lies on a corner, where the normal
+            // changes.
             let t = (k as f64 + 0.5) / count as f64;
             let wall = MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));
             views.extend(look_at(map, wall, outwards, standoff, sees_from));
         }
+        // A convex corner of a counter-clockwise ring. The views of its two walls diverge there, so
+        // one more looks at the corner along its bisector.
         if turns_left(a, b, c) {
             let next = b.bearing_to(c) - std::f64::consts::FRAC_PI_2;
             let between = wrap_angle(next - outwards) / 2.0;
@@ -162,6 +171,9 @@ pub fn nearer_to_plate(
     sees_from: f64,
 ) -> Waypoint {
     let (distance, towards) = (plate.distance(viewer), plate.bearing_to(viewer));
+    // Nearer than now, but not so near that a plate at door height leaves the image. It is not
+    // farther than the viewer was, since only up to there the line is known to be free; the least
+    // standoff comes before that.
     let standoff = (NEARER * distance)
         .clamp(sees_from.min(PLATE_DISTANCE_M), PLATE_DISTANCE_M)
         .min(distance)
@@ -176,9 +188,12 @@ pub fn nearer_to_plate(
         from_wall,
         second: true,
     };
+    // Already near and roughly in front: a shorter distance on the same line helps most.
     if standoff < PLATE_DISTANCE_M && wrap_angle(towards - facing).abs() < ASIDE_RAD {
         return on_line;
     }
+    // Otherwise the first look failed for its angle or distance, so a view from in front is taken.
+    // Of two oblique ones it is the one with the shorter drive.
     let away = |view: &Waypoint| view.place.point().distance(viewer);
     let views = before_plate(map, plate, facing, sees_from).into_iter();
     views
@@ -211,6 +226,8 @@ fn look_at(
     let Some(from_wall) = distances.find(has_room) else {
         return Vec::new();
     };
+    // The line of sight is `from_wall / cos(aslant)` long. This is the least angle at which it is
+    // `sees_from` long, and zero where the wall is far enough anyway.
     let aslant = libm::acos((from_wall / sees_from.min(standoff)).min(1.0)).min(STEEPEST_RAD);
     let view = |turned: f64| {
         let standoff = from_wall / libm::cos(turned);
@@ -224,6 +241,7 @@ fn look_at(
             second: false,
         }
     };
+    // The last fifth before the wall is not tested: the building of the wall itself is near there.
     let is_open = |view: &Waypoint| {
         let (at, steps) = (
             view.place.point(),
@@ -238,6 +256,8 @@ fn look_at(
         .into_iter()
         .filter(is_open)
         .collect();
+    // At an angle of zero both sides are the same view. Where neither side is open, a straight view
+    // from too near still shows low plates.
     if aslant > 0.0 && !sides.is_empty() {
         sides
     } else {
@@ -253,6 +273,8 @@ fn is_clear(map: &OsmMap, at: MapPoint, room: f64) -> bool {
 
 fn turns_left(a: MapPoint, b: MapPoint, c: MapPoint) -> bool {
     let turn = (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
+    // The cross product is the product of the lengths times the sine of the turn: more than 17
+    // degrees. Flatter corners are covered by the views of their walls.
     turn > 0.3 * a.distance(b) * b.distance(c)
 }
 

@@ -53,6 +53,7 @@ impl Memory {
             return;
         }
         let building = &self.map.buildings[sighting.building];
+        // The address has to find the building again; one without a name is found by its element.
         let name = building
             .name
             .clone()
@@ -62,6 +63,8 @@ impl Memory {
         let at = doorway(sighting, &building.polygon);
         match add_entrance(&mut self.data, &projection, building.element, at, &address) {
             Ok(entrance) => {
+                // Only once the map took the new position, so an error leaves the written door as
+                // it was.
                 before.map(|i| self.written.remove(i));
                 self.written.push(sighting.clone());
                 // Building indices stay: entrances add nodes, not buildings.
@@ -78,6 +81,8 @@ impl Memory {
 
 /// The point of the outline in front of a plate. Recessed doors lie inside the outline.
 fn doorway(sighting: &Sighting, outline: &Polygon) -> MapPoint {
+    // Outwards along the facing, until the outline is left. A plate outside the outline ends the
+    // search at once, and one deeper inside than any recess stays where it was seen.
     let steps = (0..=(RECESS_M / 0.1) as usize)
         .map(|i| sighting.position.offset(sighting.facing, i as f64 * 0.1));
     let inside = outline.contains(sighting.position);

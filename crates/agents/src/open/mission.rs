@@ -181,6 +181,7 @@ impl Mission {
             Profile::delivery(),
         )
         .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
+        // The planner needs travel times. The terrain then takes the router.
         let queue = understand(
             parts.planner.as_ref(),
             briefing,
@@ -246,11 +247,13 @@ impl Mission {
     /// Decides what to do until the next observation.
     pub fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         self.sense(observation, events);
+        // Sensed before this test, since a localizer becomes ready by its sensors.
         if !self.localizer.ready() {
             return Action::Drive(Velocity::ZERO);
         }
         let health = self.localizer.health();
         let measure = self.caution.look(health, observation.time);
+        // Before the mission decides, so that no path is planned around misplaced obstacles.
         if self.caution.is_over() {
             events.record(Event::Note(
                 "the pose is trusted again; what was seen in doubt is forgotten".into(),
@@ -289,6 +292,8 @@ impl Mission {
         self.localizer.update(observation);
         self.driver.observe_wheels(observation.wheels);
         if let Some(scan) = observation.scan {
+            // After the localizer took in the same observation: the scan is undistorted with its
+            // poses.
             let ring = self.perception.observe(scan, self.localizer.as_ref());
             self.driver.observe(&ring, observation.time);
             let (pose, health) = (self.localizer.pose(), self.localizer.health());
@@ -305,6 +310,7 @@ impl Mission {
                 "the pose turns out to be {pending:.1} m off and is corrected"
             )));
         }
+        // Hysteresis: one correction that shrinks past the threshold and back is noted once.
         self.correcting = pending > NOTABLE_CORRECTION_M
             || self.correcting && pending > NOTABLE_CORRECTION_M / 2.0;
     }
@@ -314,6 +320,8 @@ impl Mission {
             let detail = "every planned delivery is done".to_owned();
             return Next::End(Action::GiveUp(all(FailureCause::NotDeclared, detail)));
         };
+        // Their limits are for each delivery. `seen` is kept: a door seen on the way serves later
+        // ones.
         self.unreadable.clear();
         self.uncertain_plates.clear();
         events.record(Event::Task(delivery.address()));
@@ -352,6 +360,7 @@ impl Mission {
                 return Err(one(address, unknown, detail));
             }
         };
+        // A plate that was read is better evidence than the map.
         let expected = self
             .remembered(building, &address)
             .or_else(|| Some(mapped_door(map, building, &address, entrance?)));
@@ -365,6 +374,8 @@ impl Mission {
         let to = polygon.nearest_boundary_point(from).point;
         let route = self.driver.terrain().roads()?.route(from, to).ok()?;
         let (first, last) = (*route.points.first()?, *route.points.last()?);
+        // With both gaps between the road and the ends, to be comparable with the straight line. A
+        // much longer route is left to the terrain, which may cross open ground.
         let length = route.distance + from.distance(first) + to.distance(last);
         events.record(Event::Route(route.points));
         (length <= DETOUR_FACTOR * from.distance(to)).then_some(last)
@@ -455,9 +466,11 @@ impl Mission {
         if task.doorstep <= doorstep::FARTHEST_M {
             return self.approach(task, door);
         }
+        // No doorstep can be reached. Near enough, the parcel is put down here.
         if doorstep::is_at_door(&door, self.localizer.pose().point()) {
             return Next::delivered(task);
         }
+        // The door may have been read wrongly or be mapped wrongly, so it is no longer expected.
         (task.expected, task.doorstep) = (None, doorstep::NEAREST_M);
         self.next_waypoint(task, events)
     }
@@ -481,6 +494,7 @@ impl Mission {
         });
         Next::stand(Task {
             stage: Stage::ToWaypoint,
+            // No waypoint to return to: without its plate the door of the map is taken as it is.
             place: None,
             ..task
         })
@@ -495,6 +509,7 @@ impl Mission {
             if let Some(nearest) = exploration::nearest(&task.waypoints, here, terrain) {
                 break nearest;
             }
+            // Each pass takes one distance from the list, so the loop ends.
             let Some(&standoff) = STANDOFFS_M.get(task.round) else {
                 return self.not_found(task, here);
             };
@@ -529,6 +544,7 @@ impl Mission {
 
     fn go_to(&mut self, task: Task, waypoint: Waypoint) -> Next {
         let near = self.driver.terrain().near();
+        // An obstacle between waypoint and wall would hide the plates behind it.
         let waypoint = waypoint.before_obstacles(near).unwrap_or(waypoint);
         let (point, yaw) = (waypoint.place.point(), Some(waypoint.place.yaw));
         self.driver.set_target(Target {
@@ -558,6 +574,8 @@ impl Mission {
         Next::stand(Task {
             doorstep: step.next,
             stage,
+            // From here on the plate counts: read otherwise, the door is refuted; not reached, it
+            // is searched for.
             expected: None,
             ..task
         })
@@ -609,6 +627,7 @@ fn understand(
     };
     let times = RouterTimes {
         router,
+        // The one speed for roads and open ground: the robot drives no faster on roads.
         off_road_speed: briefing.robot.max_forward,
     };
     let request = PlanRequest {

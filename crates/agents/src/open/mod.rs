@@ -79,6 +79,7 @@ impl Agent for Open {
         self.border = border;
         let events = &mut border.events(events);
         let begun = Mission::begin(parts, &briefing, events);
+        // Before `begun?`: what was asked of models is reported even if the mission cannot begin.
         self.thinking.account(SimTime::ZERO, events);
         self.mission = Some(begun?);
         Ok(())
@@ -92,11 +93,14 @@ impl Agent for Open {
         };
         let events = &mut self.border.events(events);
         match &mut self.mission {
+            // The robot stands, but takes in its sensors: localizer and costmaps must not miss a
+            // scan.
             Some(mission) if self.thinking.lasts(observation.time) => {
                 mission.wait(observation, events)
             }
             Some(mission) => {
                 if let Some(stood) = self.thinking.ended() {
+                    // Before the mission acts, so that no timeout counts the time that models took.
                     mission.resume(stood);
                 }
                 let action = mission.act(observation, events);

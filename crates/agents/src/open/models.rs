@@ -74,10 +74,13 @@ impl Models {
                 Box::new(replay.named(&name_of(&spec, &replay)))
             }
         };
+        // Outermost, so that replayed answers count against the budget as the recorded ones did.
         Ok(Box::new(Metered::new(model, self.meter())))
     }
 
     fn file(&mut self, path: &Path) -> Result<Arc<File>, ModelsError> {
+        // Created once for all models: a second `create` would empty the file that the first one
+        // writes.
         if let Some(file) = &self.file {
             return Ok(file.clone());
         }

@@ -35,8 +35,10 @@ impl Perception {
         let mut points = Vec::with_capacity(scan.points.len());
         let (mut stretch, mut pose) = (u32::MAX, nalgebra::Isometry3::identity());
         for point in &scan.points {
+            // One pose for each run of points of the same stretch, not one for each point.
             if point.offset_ns / STRETCH_NS != stretch {
                 stretch = point.offset_ns / STRETCH_NS;
+                // The pose in the middle of the stretch halves the largest error of its points.
                 let middle = Duration::from_nanos(u64::from(stretch * STRETCH_NS + STRETCH_NS / 2));
                 pose = (localizer.pose_at(scan.stamp + middle).to_pose3(0.0) * self.robot.lidar)
                     .cast::<f32>();
@@ -44,6 +46,8 @@ impl Perception {
             points.push(pose * Point3::from(point.xyz));
         }
         let lidar = self.robot.lidar.translation.vector;
+        // The points are undistorted by now, as if seen from where the LiDAR is at the end of the
+        // scan.
         let center = localizer.pose().transform(lidar.x, lidar.y);
         let flat = points.iter().map(|p| {
             ScanPoint::new(

@@ -70,6 +70,7 @@ impl Sighting {
 /// Whether `sighting` can be trusted, given all sightings so far. Readers err: one confident
 /// reading or several agreeing ones are needed, and more evidence for it than against it.
 pub fn is_trusted(sighting: &Sighting, all: &[Sighting]) -> bool {
+    // The sighting itself is among `all`, so a single confident reading reaches the threshold.
     weight(sighting, all, true) >= TRUSTED_CONFIDENCE
         && weight(sighting, all, true) > weight(sighting, all, false)
 }
@@ -96,6 +97,7 @@ pub fn locate(
     base: Pose2,
     camera: &CameraIntrinsics,
 ) -> Option<Location> {
+    // The x axis of the camera points ahead, so `c.x` below is the depth of a point.
     let to_camera = perception.camera_pose(base).inverse().cast::<f32>();
     let corner = |f: fn(f32, f32) -> f32, axis: usize| {
         f64::from(
@@ -106,6 +108,7 @@ pub fn locate(
                 .fold(reading.corners[0][axis], f),
         )
     };
+    // Corners may form a sheared box; the points are looked up in its upright bounding box.
     let (left, right) = (corner(f32::min, 0), corner(f32::max, 0));
     let (top, bottom) = (corner(f32::min, 1), corner(f32::max, 1));
     let behind = |grow: f64| -> Vec<(f64, MapPoint)> {
@@ -129,6 +132,9 @@ pub fn locate(
         .map(|grow| surface(behind(grow)))
         .find(|points| points.len() >= FEWEST_POINTS)?;
     let middle = mean(&plate);
+    // The plate's own points are too few and too close together for a direction. The box grown on
+    // all sides holds the wall around it, and the distance limit excludes what is seen beyond the
+    // wall.
     let around = behind(WALL_AROUND).into_iter().map(|p| p.1);
     let around: Vec<MapPoint> = around
         .filter(|p| p.distance(middle) <= AROUND_PLATE_M)
@@ -136,6 +142,8 @@ pub fn locate(
     let facing = facing(&around, middle, base.point());
     Some(Location {
         position: middle,
+        // Without a wall the best estimate is that the plate faces the robot: its text could be
+        // read.
         facing: facing.unwrap_or_else(|| middle.bearing_to(base.point())),
     })
 }
@@ -178,6 +186,7 @@ pub fn is_puzzling(reading: &PlateReading) -> bool {
 /// around a plate distort what the LiDAR sees of its wall.
 fn along_wall(facing: f64, plate: MapPoint, outline: &Polygon) -> f64 {
     let near = |side: &Segment| side.nearest_point(plate).point.distance(plate) <= NEAR_WALL_M;
+    // Outer rings are counter-clockwise, so the outside is on the right of each side.
     let normal = |side: Segment| side.start.bearing_to(side.end) - std::f64::consts::FRAC_PI_2;
     let normals = outline.sides().filter(near).map(normal);
     let off = |normal: &f64| wrap_angle(normal - facing).abs();
@@ -213,6 +222,8 @@ fn mean(points: &[MapPoint]) -> MapPoint {
 /// one with most points. Beside a corner the points of two walls are seen, and only one
 /// of the walls goes through the plate. `None` where no line has a third of the points.
 fn facing(points: &[MapPoint], plate: MapPoint, viewer: MapPoint) -> Option<f64> {
+    // Normals over half a turn are all lines. The candidates only select the points of the wall;
+    // the fit below gives its direction more finely than three degrees.
     let normals = (0..NORMALS).map(|i| {
         let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::PI / f64::from(NORMALS));
         MapPoint::new(cos, sin)
@@ -229,6 +240,7 @@ fn facing(points: &[MapPoint], plate: MapPoint, viewer: MapPoint) -> Option<f64>
         return None;
     }
     let normal = normal_of_line(&wall);
+    // The normal of a line has two directions. The plate was seen, so it faces the viewer.
     let ahead = libm::cos(normal - plate.bearing_to(viewer)) >= 0.0;
     Some(wrap_angle(if ahead {
         normal
@@ -247,6 +259,7 @@ fn normal_of_line(points: &[MapPoint]) -> f64 {
         xy += dx * dy;
         yy += dy * dy;
     }
+    // The first term is the angle of the principal axis of the scatter matrix, along the line.
     0.5 * libm::atan2(2.0 * xy, xx - yy) + std::f64::consts::FRAC_PI_2
 }
 

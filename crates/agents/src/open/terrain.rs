@@ -109,6 +109,8 @@ impl Terrain {
 
     /// Costs of the paths to places, in metres of open ground; `None` where no path is known.
     pub fn costs(&self, from: MapPoint, places: &[MapPoint]) -> Vec<Option<f64>> {
+        // One place with a path nearby suffices: it is among the nearest. The costs are not mixed,
+        // since those of the overview are in metres of mapped roads, not of open ground.
         let near = costs(&self.near, from, places, COMPARED_M);
         if places.is_empty() || near.iter().any(Option::is_some) {
             return near;
@@ -132,6 +134,7 @@ impl Terrain {
         // A pose that is no number moves nothing.
         let off = (here.x - middle.x).abs().max((here.y - middle.y).abs());
         if off.is_finite() && off > SLACK_M {
+            // Obstacles beyond the new window would be lost with the old one.
             self.overview.note(&self.near);
             self.near.cover(&self.map, here, HALF_WIDTH_M);
         }
@@ -139,6 +142,8 @@ impl Terrain {
 
     /// A corridor to a goal by all that is known: over the ground, or over roads.
     fn lay(&self, from: MapPoint, goal: MapPoint) -> Result<Corridor, PlanError> {
+        // The overview covers only the ground around both ends. A wider detour is found on the road
+        // graph.
         let ground = self.overview.path(&self.map, from, goal);
         let points = ground.or_else(|error| self.over_roads(from, goal).ok_or(error))?;
         Ok(Corridor {
@@ -152,6 +157,7 @@ impl Terrain {
         let (first, last) = (*route.points.first()?, *route.points.last()?);
         // Between the roads and both ends the map's ground has to be open.
         let mut points = self.overview.path(&self.map, from, first).ok()?;
+        // Each part begins with the last point of the part before it, which is skipped.
         points.extend(route.points.into_iter().skip(1));
         points.extend(
             self.overview
@@ -172,8 +178,10 @@ impl Terrain {
                 beyond: from,
             });
         };
+        // The corridor was laid from an earlier pose; what lies behind the robot is done.
         let ahead = &corridor.points[nearest(&corridor.points, from)..];
         let inside = |point: &&MapPoint| is_within(&self.near, **point, RIM_M);
+        // Up to its first exit: what lies behind it cannot be reached within the costmap alone.
         let covered = ahead.iter().take_while(inside).count();
         let is_free = |i: &usize| {
             let cell = self.near.grid().cell_at(ahead[*i]);
@@ -194,10 +202,14 @@ impl Terrain {
         };
         match plan(&mut self.search, &self.near, from, ahead[end]) {
             Ok(mut way) => {
+                // Beyond the costmap the corridor is not searched again until the costmap covers
+                // it.
                 way.extend_from_slice(&ahead[end + 1..]);
                 Ok(way)
             }
             Err(_) => {
+                // The failed search has visited all that can be reached. Its last corridor point is
+                // the place to drive to, and the next one is where the corridor is blocked.
                 let reached = |point: &MapPoint| {
                     let cell = self.near.grid().cell_at(*point);
                     cell.is_some_and(|cell| self.search.reached(cell))
@@ -226,13 +238,16 @@ impl Guide for Terrain {
     fn path(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
         self.follow(from);
         self.partial = false;
+        // Scans since the last call count only from here on.
         self.near.inflate();
         if is_within(&self.near, to, 0.0) {
             match plan(&mut self.search, &self.near, from, to) {
+                // Only here a path that leaves the costmap can help. Blocked ends stay blocked.
                 Err(PlanError::NoPath(..)) => {}
                 found => return found,
             }
         }
+        // A corridor is kept while it serves: a new one costs a search over the map.
         let is_current = |corridor: &Corridor| {
             let at = corridor.points[nearest(&corridor.points, from)];
             corridor.goal == to && at.distance(from) < STRAYED_M
@@ -254,6 +269,9 @@ impl Guide for Terrain {
             match self.along(from) {
                 Ok(way) => return Ok(way),
                 Err(at) => {
+                    // What blocks it must count in the next attempt: as obstacles for a path over
+                    // the ground, as a closed road for a route. Otherwise the same corridor would
+                    // be laid again.
                     self.overview.note(&self.near);
                     if let Some(roads) = &mut self.roads {
                         roads.close(at.beyond, ON_ROAD_M);
@@ -280,6 +298,8 @@ impl Guide for Terrain {
         let mut begin = start;
         for &corner in &path[at + 1..] {
             let length = begin.distance(corner);
+            // Equal points have a length of zero and a share that is infinite, or NaN; `along` then
+            // ends at the corner.
             let end = along(begin, corner, left / length);
             // Only obstacles ahead of the robot's own hull count.
             let hull = (OWN_HULL_M - begin.distance(from)).max(0.0) / begin.distance(end);
@@ -338,6 +358,7 @@ fn nearest_on_path(path: &[MapPoint], from: MapPoint) -> Option<(usize, MapPoint
 
 /// The point at the share `t` between `a` and `b`, `b` at most.
 fn along(a: MapPoint, b: MapPoint, t: f64) -> MapPoint {
+    // Not `min`: this sends NaN to the end as well.
     Segment::new(a, b).at(if t < 1.0 { t } else { 1.0 })
 }
 

@@ -47,6 +47,8 @@ impl Thinking {
         if self.is_charged {
             let took =
                 Duration::from_millis(spent.latency_ms.saturating_sub(self.known.latency_ms));
+            // From the end of a time that still lasts, so that questions asked in one instant add
+            // up.
             self.until = now.max(self.until) + took;
             self.stands += took;
         }

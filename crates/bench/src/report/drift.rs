@@ -15,6 +15,7 @@ const MAX_POINTS: usize = 500;
 
 /// Writes the chart; nothing if no error is finite.
 pub fn render(out: &mut String, errors: &[PoseError]) {
+    // NaN and infinity have no place on an axis. `localization` leaves them out too.
     let errors: Vec<PoseError> = errors
         .iter()
         .filter(|e| e.distance().is_finite())
@@ -25,6 +26,7 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
     };
     // At least a second: a single pose at the start would otherwise divide by zero.
     let (seconds, top) = (last.time.seconds().max(1.0), ceiling(sum.max_m));
+    // 8 px at the right and 10 px at the top stay free, so that strokes and labels are not cut off.
     let x = |time: f64| LEFT_PX + time / seconds * (WIDTH_PX - LEFT_PX - 8.0);
     let y = |metres: f64| HEIGHT_PX - BOTTOM_PX - metres / top * (HEIGHT_PX - BOTTOM_PX - 10.0);
     let _ = write!(
@@ -45,6 +47,7 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
     }
     for part in 0..=4 {
         let time = seconds * f64::from(part) / 4.0;
+        // The last label ends at its mark. Centred, it would reach beyond the picture.
         let anchor = if part == 4 { "end" } else { "middle" };
         let _ = writeln!(
             out,
@@ -54,6 +57,7 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
         );
     }
     let mut line = String::new();
+    // The maximum of each stretch, not a sample of it: thinning must not hide a peak.
     for stretch in errors.chunks(errors.len().div_ceil(MAX_POINTS)) {
         let distance = stretch.iter().map(PoseError::distance).fold(0.0, f64::max);
         let letter = if line.is_empty() { 'M' } else { 'L' };
@@ -78,6 +82,7 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
 
 /// The smallest of 1, 2, 5 or 10 times a power of ten that is not below `metres`.
 fn ceiling(metres: f64) -> f64 {
+    // At least a millimetre: without any error the logarithm would be infinite, and the axis empty.
     let power = libm::pow(10.0, libm::floor(libm::log10(metres.max(1e-3))));
     let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
     steps

@@ -51,6 +51,7 @@ fn figure(out: &mut String, plate: &PlateFrame) {
         .map(|[x, y]| format!("{:.1},{:.1}", finite(*x), finite(*y)))
         .collect();
     let text = escape(&plate.text);
+    // The text is outlined twice: a wide dark line below the bright one, visible on any background.
     let _ = writeln!(
         out,
         "<figure><div class=\"frame\">\

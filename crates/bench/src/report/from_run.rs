@@ -46,6 +46,7 @@ fn world_map(prepared: &Prepared) -> WorldMap {
         areas: map
             .areas
             .iter()
+            // The parts of a building stand on its outline, which is drawn already.
             .filter(|a| !a.tags.says("building:part"))
             .map(|a| area(None, &a.polygon))
             .collect(),
@@ -93,6 +94,7 @@ fn episode_report(
             .map(|door| DoorMark {
                 address: door.address.clone(),
                 position: door.position,
+                // Whether a door was requested is shown by its true mark.
                 wanted: false,
             })
             .collect(),
@@ -114,6 +116,7 @@ fn episode_report(
 /// The last images, each with the plate of highest confidence that was read in it.
 fn frames(trace: &EpisodeTrace) -> Vec<PlateFrame> {
     let frame = |f: &Frame| {
+        // Exactly equal: the rollout stamps a plate and its image with the time of the same event.
         let read = trace.plates.iter().filter(|p| p.time == f.time);
         let best = read.max_by(|a, b| a.confidence.total_cmp(&b.confidence))?;
         Some(PlateFrame {

@@ -28,6 +28,7 @@ pub fn render(out: &mut String, world: &WorldMap, episode: &EpisodeReport) {
         h = view.height,
         e = episode.episode,
     );
+    // In the order of painting: names cover paths, and marks cover both.
     draw_world(out, &view, world);
     draw_paths(out, &view, episode);
     draw_names(out, &view, world);
@@ -77,6 +78,8 @@ impl View {
             max.x - min.x + 2.0 * MARGIN_M,
             max.y - min.y + 2.0 * MARGIN_M,
         );
+        // The tighter of width and height decides, so the whole extent is visible. It is centred
+        // below: the other direction shows more of the world around it.
         let scale = (WIDTH_PX / width).min(MAX_HEIGHT_PX / height);
         let pixels = (height * scale).max(MIN_HEIGHT_PX);
         Some(Self {
@@ -88,6 +91,7 @@ impl View {
     }
 
     fn pixel(&self, point: MapPoint) -> [f64; 2] {
+        // The y axis of SVG points down, that of the map to the north.
         [
             (point.x - self.left) * self.pixels_per_metre,
             (self.top - point.y) * self.pixels_per_metre,
@@ -97,6 +101,7 @@ impl View {
     /// Whether the bounding box of `points` overlaps the view.
     fn shows(&self, points: &[MapPoint]) -> bool {
         bounds(points.iter().copied()).is_some_and(|Bounds { min, max }| {
+            // The lower corner of the map has the larger y in pixels.
             let ([left, bottom], [right, top]) = (self.pixel(min), self.pixel(max));
             right >= 0.0 && left <= WIDTH_PX && bottom >= 0.0 && top <= self.height
         })
@@ -165,6 +170,7 @@ fn path(out: &mut String, class: &str, commands: &str) {
 }
 
 fn draw_world(out: &mut String, view: &View, world: &WorldMap) {
+    // In the order of painting: SVG draws later elements over earlier ones.
     for area in world.areas.iter().filter(|a| view.shows(&a.outline)) {
         path(out, "area", &view.area(area));
     }
@@ -174,7 +180,9 @@ fn draw_world(out: &mut String, view: &View, world: &WorldMap) {
         .filter(|r| view.shows(r))
         .map(|r| view.line(r))
         .collect();
+    // The input has centre lines only, so all roads get the same width.
     let width = (3.5 * view.pixels_per_metre).clamp(3.0, 26.0);
+    // All edges before all surfaces. Otherwise an edge would cross the other road at a junction.
     for (class, width) in [("road-edge", width + 2.0), ("road", width)] {
         let _ = writeln!(out, "<g stroke-width=\"{width:.1}\">");
         roads.iter().for_each(|r| path(out, class, r));
@@ -199,6 +207,7 @@ fn draw_names(out: &mut String, view: &View, world: &WorldMap) {
         let ([left, bottom], [right, top]) = (view.pixel(min), view.pixel(max));
         let (x0, x1) = (left.max(0.0), right.min(WIDTH_PX));
         let (y0, y1) = (top.max(0.0), bottom.min(view.height));
+        // A name that does not fit would cover the neighbours of its building.
         if x1 - x0 > text_width(name) && y1 - y0 > 14.0 {
             let _ = writeln!(
                 out,
@@ -334,6 +343,7 @@ impl LabelBox {
 impl Labels {
     fn door(&mut self, out: &mut String, view: &View, door: &DoorMark) {
         let [x, y] = view.pixel(door.position);
+        // The unit alone, since the building carries its name on the map.
         let text = door
             .address
             .unit
@@ -347,6 +357,7 @@ impl Labels {
             (-width / 2.0, -16.0),
             (-width / 2.0, 24.0),
         ];
+        // A line of text reaches about 12 px above its baseline and 4 px below it.
         let boxes = places.map(|(dx, dy)| LabelBox {
             left: x + dx,
             top: y + dy - 12.0,

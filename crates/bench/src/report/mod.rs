@@ -83,6 +83,7 @@ fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeRe
         .iter()
         .filter(|d| d.episode == episode.episode)
         .collect();
+    // All deliveries of an episode have its instruction, so the first one is enough.
     let instruction = deliveries.first().map_or("", |d| d.instruction.trim());
     let succeeded = deliveries.iter().filter(|d| d.success_2m).count();
     let _ = write!(

@@ -67,6 +67,7 @@ fn row(out: &mut String, d: &DeliveryResult) {
     let line = format!(
         "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>8} {:>5} {:>6}  {}",
         format!("{}.{}", d.episode, d.task),
+        // Not a width of the format, which counts characters instead of columns.
         pad(&d.address().to_string(), ADDRESS_COLUMNS),
         mark(d.success_10m),
         mark(d.success_2m),
@@ -139,6 +140,7 @@ fn pad(text: &str, width: usize) -> String {
     let mut out = String::new();
     let mut used = 0;
     let all: usize = text.chars().map(columns).sum();
+    // A truncated text needs one column for the ellipsis.
     let room = if all > width { width - 1 } else { width };
     for c in text.chars() {
         if used + columns(c) > room {
@@ -151,6 +153,7 @@ fn pad(text: &str, width: usize) -> String {
         out.push('…');
         used += 1;
     }
+    // Also after an ellipsis: a wide character may have left the last column free.
     out.extend(std::iter::repeat_n(' ', width.saturating_sub(used)));
     out
 }

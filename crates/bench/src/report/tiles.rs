@@ -54,6 +54,7 @@ fn tile(out: &mut String, label: &str, value: Option<f64>, interval: Option<&[f6
     let words = match (value, interval) {
         (Some(_), Some([low, high])) => format!("{:.0} to {:.0} %", low * 100.0, high * 100.0),
         (Some(_), None) => "no interval".to_owned(),
+        // Where there are deliveries, only LSR and LSPL can lack a value: they need sequences.
         (None, _) => "no sequences".to_owned(),
     };
     let _ = writeln!(out, "<span class=\"interval\">{words}</span></div>");

@@ -17,11 +17,14 @@ pub fn run_episode(
     let mut events = Vec::new();
     let begun = agent.begin(rollout.briefing(), &mut events);
     record(&mut rollout, &mut events);
+    // A refusal is a result, not an error: all deliveries fail with its cause, and the run
+    // continues.
     if let Err(give_up) = begun {
         rollout.refuse(&give_up);
     }
     while rollout.status() == Status::Running {
         let action = agent.act(&rollout.observation(), &mut events);
+        // Before the step, so that an event has the time of the observation that caused it.
         record(&mut rollout, &mut events);
         rollout.step(action);
     }

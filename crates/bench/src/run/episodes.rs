@@ -51,6 +51,7 @@ fn for_each_episode<T: Send>(
     work: impl Fn(usize) -> Result<T, BenchError> + Sync,
 ) -> Result<Vec<T>, BenchError> {
     let numbers = 0..request.prepared.episodes.len();
+    // A plain counter: outcomes are collected on this thread alone.
     let mut finished = 0;
     threads::each(numbers, request.jobs, work, |outcome| {
         finished += 1;
@@ -117,6 +118,7 @@ struct Made {
 }
 
 fn make(request: &RunRequest<'_>, number: usize, exchanges: Exchanges) -> Result<Made, BenchError> {
+    // A handle for each episode, since episodes run on several threads at once.
     let truth = TruthHandle::default();
     let agent_request = AgentRequest {
         truth: requested_truth(request.factory, request.settings, &truth),
@@ -141,6 +143,7 @@ fn drive(
 ) -> Result<EpisodeTrace, BenchError> {
     let Made { mut agent, truth } = made;
     let rollout = Rollout::new(request.prepared, number, episode_seed(request.seed, number))?
+        // Adding it stores the pose at time zero, before the agent gets its first observation.
         .with_observer(truth)
         .with_observer(recorder);
     run_episode(rollout, agent.as_mut())

@@ -40,6 +40,7 @@ pub(super) fn create_folder(out: &Path) -> Result<(), BenchError> {
     for name in FILES {
         remove_if_present(&out.join(name))?;
     }
+    // All numbers, not those of this run only: the earlier run may have had more episodes.
     for entry in std::fs::read_dir(&folder).map_err(|e| BenchError::file(&folder, e))? {
         let path = entry.map_err(|e| BenchError::file(&folder, e))?.path();
         let name = path.file_name().and_then(|name| name.to_str());

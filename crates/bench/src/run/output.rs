@@ -84,9 +84,11 @@ fn model_use(traces: &[EpisodeTrace]) -> ModelUse {
 /// episodes.
 fn merged_memory(request: &RunRequest<'_>, traces: &[EpisodeTrace]) -> OsmData {
     let mut merged = request.prepared.world.map.clone();
+    // In this order, since `merge_entrances` moves a known door to where the later map has it.
     if let Some(memory) = request.memory {
         merge_entrances(&mut merged, memory);
     }
+    // An agent may return anything as its map. One that cannot be parsed has no doors to merge.
     let maps = traces
         .iter()
         .filter_map(|t| OsmData::from_bytes(t.map.as_deref()?).ok());

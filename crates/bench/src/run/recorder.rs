@@ -167,6 +167,7 @@ impl Recorder {
             twist,
         );
         log.write("/ground_truth/odom", time, &odometry)?;
+        // Steps end at multiples of 50 ms, so no multiple of the period is missed.
         if !simulator.movers().is_empty() && time.0.is_multiple_of(MOVERS_PERIOD_NS) {
             write_movers(log, simulator)?;
         }
@@ -180,6 +181,8 @@ impl Recorder {
             Some(scan) if self.level == Level::Full => {
                 log.write("/livox/lidar", time, &PointCloud2::from(scan))
             }
+            // A scan ends together with a step, at a multiple of its period: the quotient counts
+            // scans.
             Some(scan) if (time.0 / SCAN_PERIOD_NS).is_multiple_of(THIN_SCAN_STRIDE) => {
                 log.write("/livox/lidar", time, &PointCloud2::from(&thinned(scan)))
             }
@@ -236,6 +239,7 @@ impl Recorder {
                     time,
                     &CompressedImage::jpeg(
                         image.stamp,
+                        // Empty if JPEG cannot hold the image: an error would end the episode.
                         image_file::jpeg(image).unwrap_or_default(),
                     ),
                 )
@@ -276,6 +280,7 @@ impl Recorder {
     }
 }
 
+// By reference: a rollout drops its observers, but a recorder must complete its log afterwards.
 impl Observer for &mut Recorder {
     fn step(&mut self, simulator: &Simulator, velocity: Velocity) -> Result<(), BenchError> {
         Ok(Recorder::step(self, simulator, velocity)?)

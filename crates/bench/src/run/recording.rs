@@ -114,6 +114,8 @@ impl Recording {
                 describe(repeated.get(step)),
                 describe(recorded.get(step)),
             ),
+            // Equal velocities must lead to equal states. The simulation differs here, not the
+            // agent.
             None if self.chain != other.chain => format!(
                 "the velocities are the same, but the hash chain is {} instead of {}",
                 other.chain, self.chain
@@ -168,6 +170,7 @@ pub fn verify(
     episode: usize,
     recording: &Recording,
 ) -> Result<(), BenchError> {
+    // In 64 bits: the counts of a damaged file may overflow 32.
     let steps: u64 = recording.driven.iter().map(|s| u64::from(s.steps)).sum();
     if steps > MAX_STEPS {
         let detail = format!("the recording is damaged: its {steps} steps are longer than a day");

@@ -95,6 +95,7 @@ impl<'o> Rollout<'o> {
     #[must_use]
     pub fn with_observer(mut self, mut observer: impl Observer + 'o) -> Self {
         let begun = observer.begin(&self.simulator);
+        // An error ends the episode before its first step, and `finish` returns it.
         self.keep_error(begun);
         self.observers.push(Box::new(observer));
         self
@@ -133,6 +134,8 @@ impl<'o> Rollout<'o> {
             Event::Plan(plan) => self.trace.plan = Some(plan),
             Event::Route(points) => self.trace.routes.push(points),
             Event::PoseEstimate(estimate) => {
+                // The simulator has not moved since the observation that the agent acts on. The
+                // true pose is therefore that of the estimate's instant.
                 self.trace.estimated.push(estimate.pose.point());
                 self.trace
                     .pose_errors
@@ -160,6 +163,7 @@ impl<'o> Rollout<'o> {
                 });
                 self.keep_frame(Frame { time, image });
             }
+            // The agent reports its use so far, so the last report is the total.
             Event::Models(used) => self.trace.models = used,
             Event::Task(_) | Event::Path(_) | Event::Waypoints(_) | Event::Note(_) => {}
         }
@@ -227,6 +231,7 @@ impl<'o> Rollout<'o> {
             self.simulator.movers(),
         );
         self.trace.velocities.push(velocity);
+        // Steps end at multiples of 50 ms, so no multiple of the period is missed.
         if self.simulator.time().0.is_multiple_of(DRIVEN_PERIOD_NS) {
             self.trace.driven.push(pose.point());
         }
@@ -386,6 +391,7 @@ fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {
 
 /// The time limit as stated in the briefing, see [`STATED_LIMIT_STEP_S`].
 fn stated_limit(exact: Duration) -> Duration {
+    // One more than the whole steps: the stated limit is above the exact one, fractions included.
     Duration::from_secs((exact.as_secs() / STATED_LIMIT_STEP_S + 1) * STATED_LIMIT_STEP_S)
 }
 

@@ -120,6 +120,7 @@ impl SimulatedFixes {
 impl SimulatedFixes {
     fn is_due(&self, now: SimTime) -> bool {
         self.last
+            // `since` is zero for an earlier time, so stamps that go back give no fix.
             .is_none_or(|last| now > last && now.since(last).as_secs_f64() >= INTERVAL_S)
     }
 
@@ -147,6 +148,7 @@ impl FixSource for SimulatedFixes {
     }
 
     fn reset(&mut self) {
+        // From the start of the stream: after a reset, a localizer gets the same fixes again.
         self.random = Noise::new(self.seed, RANDOM_STREAM);
         self.last = None;
     }
@@ -162,6 +164,8 @@ impl FixSource for SimulatedFixes {
         } = self.noise;
         let error = self.draw_error();
         let truth = self.truth.at(stamp);
+        // The fix reports its regular noise only. A receiver does not know its outliers and its
+        // bias.
         let information = 1.0 / (noise_m * noise_m);
         Some(Fix {
             stamp,

@@ -26,10 +26,13 @@ where
     let (next, ends) = (AtomicUsize::new(numbers.start), AtomicBool::new(false));
     let (sender, receiver) = mpsc::channel();
     let mut done: Vec<(usize, Result<U, E>)> = std::thread::scope(|scope| {
+        // `clamp` panics if its bounds cross, so the upper one is 1 where there are no numbers.
         for _ in 0..threads.clamp(1, numbers.len().max(1)) {
             let (sender, work, next, ends) = (sender.clone(), &work, &next, &ends);
             scope.spawn(move || {
                 while !ends.load(Ordering::Relaxed) {
+                    // Relaxed suffices: each number is taken once, and no other memory depends on
+                    // it.
                     let number = next.fetch_add(1, Ordering::Relaxed);
                     if number >= numbers.end {
                         break;
@@ -53,6 +56,8 @@ where
         };
         receiver.into_iter().map(see).collect()
     });
+    // All numbers below a failed one were started, and each started one has an outcome here. The
+    // first error in this order is therefore that of the lowest failing number.
     done.sort_by_key(|(number, _)| *number);
     done.into_iter().map(|(_, outcome)| outcome).collect()
 }

@@ -29,6 +29,8 @@ const MAX_POSES: usize = 20;
 impl TruthHandle {
     /// Stores the true pose of an instant.
     pub fn set(&self, time: SimTime, pose: Pose2) {
+        // A lock that another thread poisoned by a panic is still used: poses are stored whole or
+        // not at all.
         let mut poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         poses.push_back(TimedPose { time, pose });
         if poses.len() > MAX_POSES {
@@ -40,6 +42,7 @@ impl TruthHandle {
     /// interval the nearest one.
     pub(crate) fn at(&self, time: SimTime) -> Pose2 {
         let poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // Times ascend, since each step appends a later one.
         let after = poses.partition_point(|known| known.time < time);
         let before = after.checked_sub(1).and_then(|i| poses.get(i));
         match (before, poses.get(after)) {
@@ -51,8 +54,10 @@ impl TruthHandle {
 
 fn interpolated(before: &TimedPose, after: &TimedPose, time: SimTime) -> Pose2 {
     let (a, b) = (before.pose, after.pose);
+    // `at` searches so that `before.time < time <= after.time`: the divisor is positive.
     let elapsed = time.since(before.time).as_secs_f64();
     let s = elapsed / after.time.since(before.time).as_secs_f64();
+    // The difference is wrapped first, so the yaw turns along the shorter arc.
     let yaw = wrap_angle(a.yaw + s * wrap_angle(b.yaw - a.yaw));
     Pose2::new(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), yaw)
 }

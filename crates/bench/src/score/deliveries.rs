@@ -26,6 +26,7 @@ pub fn score_episode(
         let plate = target
             .door
             .map(|door| prepared.world.scene.doors[door].point());
+        // A door that the world lacks cannot be delivered to, so its length enters no metric.
         let straight = plate.map_or(0.0, |plate| {
             from.unwrap_or(MapPoint::default()).distance(plate)
         });
@@ -81,6 +82,7 @@ fn failure(outcome: &TaskOutcome, strict: &Strict) -> Option<Failure> {
     if outcome.failure.is_some() || strict.success {
         return outcome.failure.clone();
     }
+    // For a declaration at a wrong place the agent reports no cause, so it is added here.
     let detail = if strict.correct_unit {
         "declared more than 2 m from the door's approach point"
     } else {
@@ -156,6 +158,8 @@ fn doorway(map: &OsmMap, plate: MapPoint, facing: f64) -> MapPoint {
     let mut outwards = (0..MAX_RECESS_CM)
         .step_by(STEP_CM)
         .map(|cm| plate.offset(facing, f64::from(cm) / 100.0));
+    // A plate outside the outline would be its own first hit, at distance zero. For those the
+    // nearest point is right.
     let in_front = outwards
         .find(|p| !outline.contains(*p))
         .filter(|_| outline.contains(plate));
@@ -168,6 +172,7 @@ pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<Propor
     if traces.iter().all(|trace| trace.plan.is_none()) {
         return None;
     }
+    // In a run with plans, an episode without one counts as not understood.
     let episodes: Vec<_> = prepared.episodes.iter().zip(traces).collect();
     let is_right = |(episode, trace): &(&PreparedEpisode, &EpisodeTrace)| {
         is_understood(&episode.targets, trace.plan.as_ref())
@@ -183,6 +188,7 @@ fn is_understood(targets: &[Target], plan: Option<&Plan>) -> bool {
     let mut missing: Vec<&Address> = targets.iter().map(|target| &target.address).collect();
     for delivery in &plan.deliveries {
         let address = delivery.address();
+        // A matched door is removed, so a door that is planned twice does not match again.
         match missing.iter().position(|m| m.same_door(&address)) {
             Some(i) => drop(missing.remove(i)),
             None => return false,

@@ -49,9 +49,11 @@ pub fn wilson_interval(successes: usize, trials: usize) -> Option<[f64; 2]> {
         return None;
     }
     let (n, p) = (trials as f64, successes as f64 / trials as f64);
+    // The bounds are the solutions p0 of (p - p0)² = Z² p0 (1 - p0) / n.
     let scale = 1.0 + Z * Z / n;
     let centre = (p + Z * Z / (2.0 * n)) / scale;
     let half = Z / scale * libm::sqrt(p * (1.0 - p) / n + Z * Z / (4.0 * n * n));
+    // Only rounding can lead beyond 0 and 1.
     Some([(centre - half).max(0.0), (centre + half).min(1.0)])
 }
 

@@ -45,12 +45,14 @@ fn doors_in(instruction: &str, map: &OsmMap) -> Vec<Address> {
     let request = PlanRequest {
         instruction,
         map,
+        // Any start will do, since all travel times are equal.
         start: MapPoint::default(),
         times: &EqualTimes,
     };
     let Ok(plan) = GrammarPlanner::new().plan(&request) else {
         return Vec::new();
     };
+    // A plan may visit a door twice, but an episode has each door once.
     let mut doors: Vec<Address> = Vec::new();
     for delivery in &plan.deliveries {
         let address = delivery.address();

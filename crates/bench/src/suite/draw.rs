@@ -74,6 +74,7 @@ impl Draw {
     // `sentence`, must not change.
     fn shuffled(&mut self) -> Vec<Address> {
         let mut doors = self.doors.clone();
+        // Fisher-Yates: every order has the same probability.
         for i in (1..doors.len()).rev() {
             doors.swap(i, self.random.random_range(0..=i));
         }

@@ -102,6 +102,7 @@ impl Suite {
             WorldSource::Folder { path } => vec![path],
         };
         for path in paths {
+            // Absolute, since the suite is copied into `run.json`, which lies in another folder.
             let joined = folder.join(&*path);
             *path = std::path::absolute(&joined).unwrap_or(joined);
         }

@@ -31,6 +31,7 @@ pub fn parse_truth(text: &str) -> Result<Vec<Vec<MapPoint>>, LineProblem> {
 }
 
 fn problem(line: &str) -> String {
+    // A file of another kind may have lines of any length.
     format!(
         "`{}` is not a row of `(x, y)`",
         line.trim().chars().take(60).collect::<String>()
@@ -51,6 +52,7 @@ fn parse_line(line: &str) -> Option<Vec<MapPoint>> {
 }
 
 fn number(text: &str) -> Option<f64> {
+    // `parse` accepts `nan` and `inf` as well.
     text.trim().parse().ok().filter(|v: &f64| v.is_finite())
 }
 

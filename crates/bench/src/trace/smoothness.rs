@@ -59,8 +59,11 @@ impl Smoothness {
     pub fn step(&mut self, before: Pose2, after: Pose2, seconds: f64) {
         let speed = before.point().distance(after.point()) / seconds;
         self.sum.turned_rad += wrap_angle(after.yaw - before.yaw).abs();
+        // The first step has no earlier speed to differ from.
         self.sum.speed_changes_mps += (speed - self.speed.unwrap_or(speed)).abs();
         self.speed = Some(speed);
+        // Two thresholds: with one, a robot that creeps at about that speed would stop again and
+        // again.
         if speed > DRIVING_MPS {
             self.drives = true;
         } else if speed < STOPPED_MPS {

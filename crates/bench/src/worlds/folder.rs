@@ -94,6 +94,8 @@ pub fn write(
         episodes: Vec::new(),
         sensors: Sensors::default(),
     };
+    // Built from the files that were just written, so that what is checked is what a later run
+    // reads.
     let mut prepared = Prepared::world_of(suite)?;
     staging.put(PUBLIC, &prepared.world.map.to_xml())?;
     let DoorCounts {
@@ -113,6 +115,7 @@ pub fn write(
     prepared.suite.world = WorldSource::Folder { path: ".".into() };
     staging.put(SUITE, prepared.suite.to_toml().as_bytes())?;
     staging.move_to(folder)?;
+    // The paths of the staging folder no longer exist.
     prepared.suite = suite_of(folder)?;
     Ok(WrittenWorld {
         prepared,
@@ -219,6 +222,7 @@ impl StagingFolder {
             std::fs::rename(folder, &old).map_err(failed)?;
         }
         std::fs::rename(&self.path, folder).map_err(failed)?;
+        // Only now: if the renaming above fails, the old world still exists.
         if old.exists() {
             std::fs::remove_dir_all(&old).map_err(failed)
         } else {

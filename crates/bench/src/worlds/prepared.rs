@@ -73,6 +73,7 @@ impl Prepared {
             .map(|path| read_truths(path, &self.suite, &self.world.scene.doors))
             .transpose()?;
         self.episodes = self.look_up(truths.as_deref())?;
+        // Absolute, since `run.json` has this path, and `verify` may be started in another folder.
         self.truth =
             truth.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
         Ok(self)
@@ -88,6 +89,7 @@ impl Prepared {
         let stage =
             Stage::with_figures(world.scene.clone(), suite.traffic).map_err(BenchError::world)?;
         let space = |radius| FreeSpace::new(stage.caster(), world.start.point(), radius);
+        // A circle fits at every heading or at none, so one grid is enough for all headings.
         let free_space = space(robot.circumscribed_radius());
         let people_space = (!suite.traffic.is_empty()).then(|| space(PERSON_RADIUS_M));
         let approach = world
@@ -180,6 +182,8 @@ impl Prepared {
                 continue;
             };
             let plate = self.world.scene.doors[door].point();
+            // A door without an approach point can still be declared by the paper's criterion, so
+            // it has a limit.
             let length = self
                 .shortest(from, door)
                 .unwrap_or_else(|| from.distance(plate));

@@ -113,6 +113,7 @@ impl Recipe {
                 ..
             } => {
                 let data = read_map(&folder.join(map))?;
+                // Always present: only imported worlds have none.
                 let options = self.options().unwrap_or_default();
                 generate(&data, place(georeference)?, *seed, &options).map_err(BenchError::world)?
             }
@@ -126,6 +127,7 @@ impl Recipe {
                 ..
             } => {
                 let request = ImportRequest {
+                    // `join` leaves absolute paths as they are.
                     world: folder.join(world),
                     map: folder.join(map),
                     models: models.iter().map(|m| folder.join(m)).collect(),

@@ -42,6 +42,7 @@ pub struct RouteArgs {
         required = true,
         num_args = 2..,
         value_name = "LON,LAT",
+        // Negative degrees begin with a hyphen.
         allow_hyphen_values = true,
         value_parser = lonlat
     )]

@@ -53,6 +53,7 @@ fn number(
     holds: impl FnOnce(f64) -> bool,
     expected: &'static str,
 ) -> Result<f64, ValueError> {
+    // `parse` accepts NaN, which is in no range.
     let number = text.parse().ok().filter(|number| holds(*number));
     number.ok_or_else(|| unexpected(text, expected))
 }
@@ -60,6 +61,7 @@ fn number(
 pub(super) fn lonlat(text: &str) -> Result<LonLat, ValueError> {
     let expected = "LON,LAT in degrees";
     let [lon, lat] = numbers(text, expected)?;
+    // Neither is NaN: `numbers` accepts finite numbers only.
     if lon.abs() > 180.0 || lat.abs() > 90.0 {
         return Err(unexpected(text, expected));
     }

@@ -45,6 +45,7 @@ pub struct GenerateArgs {
     #[arg(
         long,
         default_value_t = 1,
+        // The seed is written to `world.toml`, whose integers have 63 bits.
         value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64)
     )]
     pub seed: u64,

@@ -130,6 +130,7 @@ fn sim(args: &BenchSimArgs) -> anyhow::Result<Outcome> {
         },
         _ => WorldSource::Builtin {
             name: args.name.clone(),
+            // That of the built-in suites, so that their worlds are measured.
             seed: 1,
         },
     };

@@ -20,6 +20,7 @@ const SHOWN: usize = 20;
 
 /// Drives planners through scenes.
 pub fn run(args: &BenchMotionArgs, extensions: &Extensions) -> anyhow::Result<Outcome> {
+    // The planners of the comparison, not those of OPEN: some have tolerances of their own here.
     let known = extensions.planners_beside(planners());
     let planners = known.select(&args.planners)?;
     let request = ComparisonRequest {
@@ -42,6 +43,7 @@ pub fn run(args: &BenchMotionArgs, extensions: &Extensions) -> anyhow::Result<Ou
             None => Ok(()),
         }
     });
+    // Before an error is returned, so that its message begins on an empty line.
     bar.finish_and_clear();
     let comparison = comparison?;
     if args.json {

@@ -18,10 +18,13 @@ use crate::progress::progress_bar;
 pub fn run(args: &BenchTownsArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let factory = agents.get(&args.agent)?.as_ref();
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
+    // With --draw nothing is driven, so nothing needs to be downloaded.
     if !args.draw {
         check_agent(factory, &settings)?;
         prepare_agent(factory, &settings)?;
     }
+    // The folder keeps the plan, which must be equal in a continued run, from whichever folder that
+    // is started.
     let absolute =
         |path: &std::path::PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
     let plan = TownsPlan {
@@ -115,6 +118,7 @@ fn table(towns: &Towns) -> String {
         percent(metrics.spl),
         percent(metrics.lsr),
         pose(towns.pose),
+        // Odometry errors of different drives are not summed up.
         "",
         "",
         metrics.collisions,

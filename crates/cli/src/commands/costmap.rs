@@ -18,7 +18,7 @@ pub fn run(args: &CostmapArgs) -> anyhow::Result<Outcome> {
     let (data, georeference) = read_part(&args.map, &args.cut)?;
     let (map, file) = (OsmMap::new(&data, georeference), args.map.display());
     let (low, high) = match args.cut.window()? {
-        // All four: in metres a rectangle of degrees leans a little.
+        // All four corners: in metres, a rectangle of degrees is slightly rotated.
         Some(Window { low: l, high: h }) => {
             let corners = [
                 (l.lon, l.lat),

@@ -46,6 +46,7 @@ fn download(args: &DataPullArgs, sets: &[Dataset]) -> anyhow::Result<Outcome> {
         let folder = args.out.join(&set.name);
         let spinner = download_spinner(&set.name);
         let stored = pull(set, &folder, &mut |bytes| spinner.set_position(bytes));
+        // Before an error is returned, so that its message begins on an empty line.
         spinner.finish_and_clear();
         for path in stored? {
             say(&format!("{}\n", path.display()))?;

@@ -64,6 +64,7 @@ pub fn read_part(path: &Path, cut: &CutArgs) -> anyhow::Result<(OsmData, Georefe
 pub fn unbounded_models(planner: &str, exchanges: Option<&Path>) -> anyhow::Result<Models> {
     let read = planner.strip_prefix("replay:").map(Path::new);
     if let (Some(read), Some(kept)) = (read, exchanges)
+        // By name as well: a file that does not exist yet has no canonical path.
         && (read == kept || is_same_file(read, kept))
     {
         anyhow::bail!(

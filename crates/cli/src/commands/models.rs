@@ -15,6 +15,7 @@ pub fn run(args: &ModelsArgs) -> anyhow::Result<Outcome> {
             say(&format!("{}\n", store.add(name.as_ref())?.display()))?;
             Ok(Outcome::Done)
         }
+        // The path of a file that does not exist, rather than an unknown name of the catalogue.
         ModelsCommand::Pull { name } if name.contains('/') || name.ends_with(".gguf") => {
             anyhow::bail!("there is no file {name}")
         }

@@ -43,6 +43,7 @@ pub fn run(args: &PlanArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     if let Err(error) = &planned {
         crate::outcome::tell(&format!("openbench: {}", with_causes(error)));
     }
+    // After a failure stdout gets a plan as well. The problem is on stderr and in the exit code.
     let nothing = || Plan {
         planner: planner.name().to_owned(),
         deliveries: Vec::new(),

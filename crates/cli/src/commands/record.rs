@@ -23,6 +23,7 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
     }
     let prepared = Prepared::world_of(suite)?;
     prepared.warnings().iter().for_each(|w| tell(w));
+    // A billion seconds: an instant, nanoseconds in 64 bits, holds the sum of two of them.
     let at = |seconds: f64| SimTime::ZERO + Duration::from_secs_f64(seconds.min(1e9));
     let faults = Faults {
         gap: args.gap.map(|(from, long)| [at(from), at(from + long)]),

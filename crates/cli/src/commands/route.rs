@@ -21,6 +21,7 @@ pub fn run(args: &RouteArgs) -> anyhow::Result<Outcome> {
     let places = args
         .places
         .iter()
+        // All are kept: the arguments accept positions on the Earth only.
         .filter_map(|position| Place::new(*position))
         .collect();
     let mut through = RouteRequest::through(places);
@@ -70,6 +71,7 @@ pub fn read_roads(map: &Path, sizes: &CellSizes) -> anyhow::Result<Roads> {
     let source = doing("opening the map", || Source::open(map))?;
     let network = doing("reading its roads", || Network::read(&source))
         .map_err(|error| error.in_file(map))?;
+    // The network has what is needed: the map need not stay in memory while the cells are made.
     drop(source);
     Ok(doing("putting them into cells", || {
         Roads::new(network, sizes)

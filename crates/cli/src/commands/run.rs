@@ -24,7 +24,7 @@ use crate::progress::{PullProgress, progress_bar};
 pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let factory = agents.get(&args.agent)?.as_ref();
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
-    // First of all: to build the world takes a while, and to find a misspelt setting does not.
+    // First of all: a misspelt setting is found at once, while building the world takes a while.
     check_agent(factory, &settings)?;
     let prepared = prepare(args)?;
     prepare_agent(factory, &settings)?;
@@ -36,10 +36,11 @@ pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let memory = args
         .memory
         .as_deref()
+        // The first of several runs with one memory begins without the file.
         .filter(|path| path.exists())
         .map(OsmData::read)
         .transpose()?;
-    // As precise as it is kept, so that the run can be repeated.
+    // Through XML, as the run's folder keeps it: a repeated run then starts from equal numbers.
     let memory = memory
         .map(|memory| OsmData::from_bytes(&memory.to_xml()))
         .transpose()?;
@@ -79,10 +80,12 @@ pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
 
 /// Refuses what the run is told to read from the folder that it clears first.
 fn spare(out: &Path, read: &[PathBuf]) -> anyhow::Result<()> {
+    // A folder that does not exist holds nothing to be cleared.
     let Ok(folder) = out.canonicalize() else {
         return Ok(());
     };
     for path in read {
+        // A missing file is reported where it is read.
         let Ok(full) = path.canonicalize() else {
             continue;
         };
@@ -104,6 +107,8 @@ fn spare(out: &Path, read: &[PathBuf]) -> anyhow::Result<()> {
 
 /// Whether a file can be written, before hours are driven for it.
 fn probe(path: &Path) -> anyhow::Result<()> {
+    // Beside the file, where `write_atomically` will put its staging file: the folder must be
+    // writable.
     let name = format!("{}.probe-{}", path.display(), std::process::id());
     let made = std::fs::OpenOptions::new()
         .write(true)
@@ -159,6 +164,7 @@ pub(super) fn named(name: &str) -> anyhow::Result<Suite> {
     if folder::is_world(path) {
         return Ok(folder::suite_of(path)?);
     }
+    // A folder that happens to be called as a built-in suite does not hide the suite.
     if path.is_dir() && !builtin_suites().iter().any(|known| known == name) {
         anyhow::bail!(
             "{name}: the folder has no world.toml; make a world with `openbench world generate`"
@@ -173,6 +179,7 @@ pub(super) fn named(name: &str) -> anyhow::Result<Suite> {
 }
 
 fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
+    // Absolute, since `run.json` has these paths, and `verify` may be started in another folder.
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let source = WorldSource::Imported {
         world: absolute(world),
@@ -186,6 +193,7 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
     let episodes = match (&args.deliveries, args.draw.as_deref()) {
         (Some(file), _) => {
             let episodes = deliveries::read(file, &read_map(map)?)?;
+            // Before the world is built, and with the name of the file.
             let silent = episodes
                 .iter()
                 .find(|e| e.deliveries.is_empty())

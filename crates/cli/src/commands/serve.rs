@@ -55,6 +55,7 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
     let listener = TcpListener::bind(args.listen)
         .await
         .with_context(|| format!("cannot listen on {}", args.listen))?;
+    // Before the address is printed: whoever reads it may send a signal at once.
     let mut stop = std::pin::pin!(stopped());
     tell(&format!(
         "{} edges of {} for `{}`; listening on http://{}",
@@ -77,6 +78,8 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
             Err(error) => {
                 // Out of file handles, or a closed connection: others can still be served.
                 tracing::warn!("a connection was not accepted: {}", with_causes(&error));
+                // A pause, since the same error may return at once: without file handles the loop
+                // would spin.
                 tokio::time::sleep(Duration::from_millis(50)).await;
                 continue;
             }
@@ -90,6 +93,7 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
         });
         let mut builder = hyper::server::conn::http1::Builder::new();
         builder
+            // hyper panics at a timeout without a timer.
             .timer(TokioTimer::new())
             .header_read_timeout(PATIENCE)
             .max_buf_size(LONGEST_HEAD);
@@ -103,9 +107,11 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
                 Ok(Ok(())) => {}
                 Err(_) => tracing::debug!("a connection was ended after {LONGEST_CONNECTION:?}"),
             }
+            // Owned by this task: its place is free again only when the connection has ended.
             drop(permit);
         });
     }
+    // New clients are refused from here on, while the open requests are answered.
     drop(listener);
     tokio::select! {
         () = graceful.shutdown() => {}
@@ -157,10 +163,13 @@ async fn stopped() {
 }
 
 fn respond(service: &Service, request: &Request<Incoming>) -> Response<Full<Bytes>> {
+    // The working memory of searches, one for each thread and reused without locks: an answer is
+    // computed without an await.
     thread_local! {
         static MEMORY: RefCell<ServiceMemory> = RefCell::default();
     }
     let (status, body) = match *request.method() {
+        // hyper leaves out the body of an answer to HEAD.
         Method::GET | Method::HEAD => {
             let target = request
                 .uri()
@@ -172,6 +181,7 @@ fn respond(service: &Service, request: &Request<Incoming>) -> Response<Full<Byte
                 answer.body,
             )
         }
+        // Browsers ask first whether a page of another origin may send its request (CORS).
         Method::OPTIONS => (StatusCode::NO_CONTENT, Vec::new()),
         _ => {
             let body =
@@ -182,6 +192,7 @@ fn respond(service: &Service, request: &Request<Incoming>) -> Response<Full<Byte
     let mut response = Response::new(Full::new(Bytes::from(body)));
     *response.status_mut() = status;
     let headers = response.headers_mut();
+    // The headers of osrm-routed, so that its clients work unchanged.
     for (name, value) in [
         (header::ACCESS_CONTROL_ALLOW_ORIGIN, "*"),
         (header::ACCESS_CONTROL_ALLOW_METHODS, "GET, HEAD, OPTIONS"),

@@ -45,6 +45,7 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
         renderer.render(&view, &movers),
         args.quality,
     )?;
+    // Labels are another rendering, so they are made on request only.
     if args.depth.is_some() || args.classes.is_some() || args.instances.is_some() {
         write_labels(args, &renderer.labels(&view, &movers), &world.scene)?;
     }
@@ -224,6 +225,7 @@ fn source(args: &ShowArgs) -> anyhow::Result<WorldSource> {
         }),
         (Some(name), ..) => Ok(WorldSource::Builtin {
             name: name.clone(),
+            // That of the built-in suites.
             seed: 1,
         }),
         _ => anyhow::bail!("name a built-in world or a world's folder, or give --world and --map"),
@@ -258,8 +260,11 @@ fn birds_eye(world: &World, near: Option<f64>) -> View {
     let (y0, y1) = (bound(f64::min, |p| p.y), bound(f64::max, |p| p.y));
     let reach = (x1 - x0).max(1.4 * (y1 - y0)).max(20.0) + 16.0;
     let pitch = 58.0_f64.to_radians();
+    // The focal length is the width of the picture: at any distance the view is as wide as that
+    // distance. 15 % are margin.
     let distance = 1.15 * reach;
     let middle = Vector3::new((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0);
+    // The camera looks along its x axis: pitch turns it down, and a yaw of 90° to the north.
     let rotation = UnitQuaternion::from_euler_angles(0.0, pitch, std::f64::consts::FRAC_PI_2);
     let eye = middle - rotation * Vector3::x() * distance;
     View {

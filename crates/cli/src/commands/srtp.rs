@@ -45,6 +45,7 @@ pub fn run(args: &SrtpArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     };
     if let Some(wanted) = args.difficulty.map(difficulty) {
         cases.retain(|case| case.difficulty == Some(wanted));
+        // Without an instruction there is no share to report.
         anyhow::ensure!(
             !cases.is_empty(),
             "no instruction of {what} is said to be {}",
@@ -54,6 +55,7 @@ pub fn run(args: &SrtpArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     let map = args.map.as_deref().map(read_map).transpose()?;
     let bar = progress_bar(cases.len(), "instructions");
     let mut scores = score(planner.as_ref(), &cases, map.as_ref(), || bar.inc(1));
+    // A planner that asks no model leaves the use of models out.
     scores.models = Some(models.meter().spent()).filter(|used| used.calls > 0);
     bar.finish_and_clear();
     if args.json {

@@ -21,6 +21,7 @@ pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     if record.episodes == 0 {
         anyhow::bail!("{} contains no episodes to verify", args.run.display());
     }
+    // All recordings first: a missing one is found before the world is built.
     let recordings: Result<Vec<Recording>, _> = (0..record.episodes)
         .map(|i| Recording::read(&args.run, i))
         .collect();
@@ -52,6 +53,7 @@ pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
 /// Runs the agent again. What its actions do to the world is compared with the same stroke.
 fn drive_again(record: &RunRecord, args: &VerifyArgs, agents: &Agents) -> anyhow::Result<()> {
     let factory = agents.get(&record.agent)?.as_ref();
+    // In the order of `run`: settings before the world, downloads after it.
     super::run::check_agent(factory, &record.settings)?;
     let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
     let memory = memory_of(&args.run)?;

@@ -48,6 +48,7 @@ fn generate(args: &GenerateArgs) -> anyhow::Result<Outcome> {
 }
 
 fn import(args: &ImportArgs) -> anyhow::Result<Outcome> {
+    // Relative paths of a recipe count from its folder, those of the command line do not.
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let map = read_data(&args.map)?;
     let georeference = match args.georef {

@@ -81,6 +81,7 @@ pub fn pull(
     progress: &mut dyn FnMut(u64),
 ) -> Result<Vec<PathBuf>, DatasetError> {
     let mut missing: Vec<&DataFile> = set.files.iter().filter(|f| !is_here(folder, f)).collect();
+    // A complete set needs neither the network nor a valid address of a mirror.
     if !missing.is_empty() {
         let (Source::Archive(url) | Source::File(url)) = &set.source;
         let url = mirrored(url, std::env::var(MIRROR).ok().as_deref())?;
@@ -117,12 +118,15 @@ fn mirrored(url: &str, mirror: Option<&str>) -> Result<String, DatasetError> {
     let Some(mirror) = mirror else {
         return Ok(url.to_owned());
     };
+    // Plain http for this machine only. After the host there may be a port and nothing else, so
+    // that `localhost.example.org` is not accepted.
     let is_local = ["http://127.0.0.1", "http://localhost", "http://[::1]"]
         .iter()
         .any(|host| mirror.strip_prefix(host).is_some_and(is_port));
     if !(mirror.starts_with("https://") || is_local) || mirror.contains(['@', '?', '#', ' ']) {
         return Err(DatasetError::Mirror);
     }
+    // The parts of https://HOST/PATH at its slashes: `https:`, nothing, the host, the path.
     let path = url.splitn(4, '/').nth(3).unwrap_or_default();
     Ok(format!("{mirror}/{path}"))
 }
@@ -136,6 +140,7 @@ fn is_port(text: &str) -> bool {
 
 fn get(url: &str) -> Result<impl Read + use<>, DatasetError> {
     let agent: ureq::Agent = ureq::Agent::config_builder()
+        // Redirects, too, must not lead from https to http.
         .https_only(url.starts_with("https://"))
         .timeout_global(Some(TIMEOUT))
         .timeout_connect(Some(ANSWER_TIMEOUT))
@@ -149,6 +154,7 @@ fn get(url: &str) -> Result<impl Read + use<>, DatasetError> {
             url: url.to_owned(),
             source: Box::new(error),
         })?;
+    // A server may send without end.
     Ok(response.into_body().into_reader().take(MOST_BYTES))
 }
 
@@ -200,6 +206,7 @@ fn store_entries(
             let bytes = read(entry, size, url)?;
             store(&bytes, folder, missing)?;
         }
+        // What is left of the archive need not be downloaded.
         if missing.is_empty() {
             break;
         }

@@ -98,6 +98,7 @@ fn file(line: usize, text: &str) -> Result<DataFile, ManifestError> {
         return Err(ManifestError { line, problem });
     };
     let bytes = bytes.parse().map_err(|_| ManifestError { line, problem })?;
+    // No file may be stored outside of the folder of its set.
     let is_inside = !name.starts_with('/') && !name.split('/').any(|part| part == "..");
     if !is_sha256(sha256) || !is_inside {
         return Err(ManifestError { line, problem });

@@ -31,6 +31,8 @@ impl GridGeometry {
     /// The grid over the box from `low` to `high`, each side at most `max_cells` cells long; `cell`
     /// is the side of a cell, metres.
     pub fn covering(low: MapPoint, high: MapPoint, cell: f64, max_cells: usize) -> Self {
+        // At least one cell, also where `low` is beyond `high`. The cast saturates, so an infinite
+        // box has `max_cells`.
         let count = |a: f64, b: f64| (((b - a) / cell).ceil().max(1.0) as usize).min(max_cells);
         Self {
             origin: low,
@@ -56,6 +58,7 @@ impl GridGeometry {
             (point.x - self.origin.x) / self.cell,
             (point.y - self.origin.y) / self.cell,
         );
+        // Before the casts, which would turn -0.5 into column 0. False for NaN.
         let inside = x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64;
         inside.then(|| y as usize * self.width + x as usize)
     }
@@ -91,6 +94,7 @@ impl GridGeometry {
     /// The cells of the box between two points, cut off at the grid's border: ranges of columns and
     /// rows, both inclusive; `None` if there are none.
     pub fn window(&self, low: MapPoint, high: MapPoint) -> Option<((i64, i64), (i64, i64))> {
+        // Signed, so that a box to the west of the grid is seen to be outside.
         let index = |v: f64, origin: f64| ((v - origin) / self.cell).floor() as i64;
         let columns = (
             index(low.x, self.origin.x).max(0),

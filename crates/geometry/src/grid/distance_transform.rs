@@ -7,6 +7,7 @@
 /// Columns that are processed together: what a cache line holds of a row.
 const BAND: usize = 16;
 /// Distance in a row without a marked cell.
+// The square of a million cells, far longer than a side of a grid. Sums with it stay finite.
 const FAR: f32 = 1e12;
 
 /// Squared distance from each cell's middle to the nearest marked cell's middle, in sides of cells;
@@ -20,6 +21,8 @@ pub fn squared_distances(marked: &[bool], width: usize, height: usize) -> Vec<f3
         along_row(marks, row);
     }
     let mut line = Envelope::new(height);
+    // Columns are copied out, transformed and copied back, because a column in place touches one
+    // cache line for each row.
     let mut band = vec![0.0; BAND * height];
     for left in (0..width).step_by(BAND) {
         let columns = BAND.min(width - left);
@@ -52,6 +55,7 @@ fn along_row(marks: &[bool], row: &mut [f32]) {
             *value = away * away;
         }
     }
+    // From the right: the nearer of both neighbours in the row counts.
     let mut next = None;
     for (x, (mark, value)) in marks.iter().zip(row.iter_mut()).enumerate().rev() {
         next = if *mark { Some(x) } else { next };
@@ -80,6 +84,7 @@ impl Envelope {
 
     /// Lowers the values of a line to the envelope.
     fn transform(&mut self, line: &mut [f32]) {
+        // `line` is overwritten while the heights of parabolas are still needed.
         self.value[..line.len()].copy_from_slice(line);
         // Without a marked cell there is no parabola.
         let mut known = (0..line.len()).filter(|q| line[*q] < FAR);
@@ -88,6 +93,8 @@ impl Envelope {
         (self.apex[0], self.border[0], self.border[1]) = (first, f32::NEG_INFINITY, f32::INFINITY);
         for q in known {
             let mut s = self.meeting(q, self.apex[last]);
+            // The last parabola is lowest nowhere: the new one is below it before its stretch
+            // begins. The first border is minus infinity, so one parabola always remains.
             while s <= self.border[last] {
                 last -= 1;
                 s = self.meeting(q, self.apex[last]);
@@ -95,6 +102,7 @@ impl Envelope {
             last += 1;
             (self.apex[last], self.border[last], self.border[last + 1]) = (q, s, f32::INFINITY);
         }
+        // Parabola `k` is lowest from border `k` to border `k + 1`; both ascend with `q`.
         let mut k = 0;
         for (q, lowest) in line.iter_mut().enumerate() {
             while self.border[k + 1] < q as f32 {
@@ -108,6 +116,8 @@ impl Envelope {
     /// Where the parabolas with apexes `q` and `p` meet.
     fn meeting(&self, q: usize, p: usize) -> f32 {
         let (fq, fp) = (q as f32, p as f32);
+        // The x at which (x - q)^2 + value(q) equals (x - p)^2 + value(p). Apexes differ, so the
+        // divisor is not 0.
         ((self.value[q] + fq * fq) - (self.value[p] + fp * fp)) / (2.0 * (fq - fp))
     }
 }

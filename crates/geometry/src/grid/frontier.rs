@@ -41,6 +41,7 @@ impl Eq for Entry {}
 impl Ord for Entry {
     fn cmp(&self, other: &Self) -> Ordering {
         other
+            // Reversed, since `BinaryHeap` has the greatest entry on top.
             .estimate
             .total_cmp(&self.estimate)
             .then(other.cell.cmp(&self.cell))

@@ -30,6 +30,7 @@ pub fn passes_all(
     // Borders of columns and of rows that were passed, and the share of the line behind the last of
     // them.
     let (mut columns, mut rows, mut behind) = (0, 0, 0.0);
+    // Infinite for a line along a row or a column, whose other borders are never passed.
     let half = [0.5 / dx as f64, 0.5 / dy as f64];
     let share_at = |passed: i64, half: f64| (2 * passed + 1) as f64 * half;
     loop {
@@ -37,6 +38,7 @@ pub fn passes_all(
             return pass(x, y, 1.0 - behind);
         }
         // Which border comes first: (2 columns + 1) / 2 dx against (2 rows + 1) / 2 dy.
+        // Multiplied out, so that whole numbers decide and a corner is recognized exactly.
         let first = ((2 * columns + 1) * dy).cmp(&((2 * rows + 1) * dx));
         let until = if first == Ordering::Greater {
             share_at(rows, half[1])

@@ -6,6 +6,7 @@ use super::signed_area::signed_area;
 impl Polygon {
     /// Square metres, without the holes.
     pub fn area(&self) -> f64 {
+        // Holes are clockwise, so their areas are negative.
         self.rings().map(signed_area).sum()
     }
 }

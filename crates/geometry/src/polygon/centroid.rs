@@ -16,6 +16,8 @@ impl Polygon {
         for Segment { start: a, end: b } in self.sides() {
             let (ax, ay) = (a.x - origin.x, a.y - origin.y);
             let (bx, by) = (b.x - origin.x, b.y - origin.y);
+            // The triangle of the origin and the side: `cross` is twice its area, and its centroid
+            // is a third of the sum of its corners. Holes are clockwise and count negative.
             let cross = ax * by - bx * ay;
             x += (ax + bx) * cross;
             y += (ay + by) * cross;

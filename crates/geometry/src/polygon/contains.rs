@@ -11,6 +11,7 @@ impl Polygon {
     ///
     /// A ray to the east is followed, and the sides that it crosses are counted.
     pub fn contains(&self, point: MapPoint) -> bool {
+        // Sides of holes count like those of the outline: a point in a hole crosses an even number.
         self.sides()
             .filter(|side| crosses_ray(*side, point))
             .count()

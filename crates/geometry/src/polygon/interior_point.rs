@@ -17,6 +17,7 @@ impl Polygon {
         let height = bounds.high.y - bounds.low.y;
         let levels = (1..CUTS).map(|i| bounds.low.y + height * f64::from(i) / f64::from(CUTS));
         let cuts = levels.filter_map(|y| self.widest_cut(y));
+        // The centroid of a concave polygon may be outside.
         let inside = std::iter::once(centroid)
             .chain(cuts)
             .filter(|p| self.contains(*p));
@@ -30,6 +31,8 @@ impl Polygon {
     fn widest_cut(&self, y: f64) -> Option<MapPoint> {
         let mut xs: Vec<f64> = self.sides().filter_map(|side| crossing(side, y)).collect();
         xs.sort_by(f64::total_cmp);
+        // Crossings in ascending order lead in and out in turn, so each pair bounds a stretch
+        // inside.
         let stretches = xs
             .chunks_exact(2)
             .map(|ends| (ends[1] - ends[0], (ends[0] + ends[1]) / 2.0));

@@ -23,6 +23,7 @@ impl Polygon {
         let mut nearest = BoundaryPoint { point, normal: 0.0 };
         for side in self.sides() {
             let foot = side.nearest_point(point).point;
+            // Squares order as distances do, without a root for each side.
             let squared =
                 (foot.x - point.x) * (foot.x - point.x) + (foot.y - point.y) * (foot.y - point.y);
             // Of two sides that are equally near, at a corner, the first counts.

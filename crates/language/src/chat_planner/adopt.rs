@@ -11,6 +11,7 @@ pub(super) fn adopt_places(stops: &mut Stops, read: &Stops) {
     for stop in stops.stops.iter_mut().filter(|stop| stop.problem.is_some()) {
         let free = (0..taken.len()).find(|i| !taken[*i] && is_narrower(&read.stops[*i], stop));
         if let Some(at) = free {
+            // Each door of the grammar once: two buildings of one name may both be meant.
             taken[at] = true;
             let read = &read.stops[at];
             stop.address = read.address.clone();

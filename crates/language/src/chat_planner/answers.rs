@@ -100,6 +100,8 @@ pub(super) fn permutation(reply: &str, count: usize) -> Result<Vec<usize>, Answe
     let order: Vec<usize> = list.iter().filter_map(index).collect();
     let mut sorted = order.clone();
     sorted.sort_unstable();
+    // Unreadable entries are dropped above, so the lengths are compared: none may be dropped
+    // silently.
     let is_complete = order.len() == list.len() && sorted.iter().copied().eq(0..count);
     is_complete
         .then_some(order)

@@ -109,6 +109,8 @@ impl Conversation<'_> {
         let mut messages = vec![Message::user(prompt)];
         let mut attempt = 1;
         loop {
+            // No second attempt where the model does not answer: it has retried by its own
+            // contract.
             let reply = self.reply(question, &messages)?;
             let error = match read(&reply) {
                 Ok(value) => return Ok(value),
@@ -123,6 +125,7 @@ impl Conversation<'_> {
                 });
             }
             attempt += 1;
+            // With its own answer before the reason, which refers to it.
             messages.push(Message::assistant(reply));
             messages.push(Message::user(format!(
                 "That cannot be used: {}. Answer again with the JSON object only.",

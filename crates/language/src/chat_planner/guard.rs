@@ -18,6 +18,7 @@ pub(super) fn check_all(
     entries
         .iter()
         .try_for_each(|entry| check(instruction, entry))?;
+    // The grammar understands nothing here, so there is nothing to compare with; evidence is all.
     let Some(read) = &instruction.read else {
         return Ok(());
     };
@@ -112,6 +113,7 @@ fn is_quoted(instruction: &Instruction<'_>, entry: &Entry) -> bool {
         && named
             .iter()
             .all(|named| is_named_by(instruction, named, words, &evidence))
+        // A quote that names another door as well could be that door's.
         && evidence
             .labels
             .iter()

@@ -26,6 +26,7 @@ impl<'a> Instruction<'a> {
         let words = grammar.words();
         let gazetteer = Gazetteer::new(request.map, words);
         let evidence = Evidence::of(request.instruction, words, &gazetteer);
+        // The model may understand what the grammar does not, so that is no error here.
         let wishes = grammar.understand(request.instruction, &gazetteer).ok();
         let read = wishes.map(|wishes| resolve(wishes, request.map, &gazetteer));
         Self {

@@ -23,6 +23,8 @@ pub(super) fn find_json(text: &str) -> Result<Value, AnswerError> {
         .char_indices()
         .filter(|(_, c)| matches!(c, '{' | '['))
         .map(|(i, _)| i);
+    // Prose may hold brackets too, so the next one is tried. Each try may read the whole answer, so
+    // their number is bounded.
     let found = starts
         .take(MOST_STARTS)
         .find_map(|start| value_at(&answer[start..]));
@@ -32,6 +34,7 @@ pub(super) fn find_json(text: &str) -> Result<Value, AnswerError> {
 fn value_at(text: &str) -> Option<Value> {
     let piece = &text[..closing(text)?];
     let value: Value = serde_json::from_str(piece)
+        // Repaired only if it does not parse as it is.
         .or_else(|_| serde_json::from_str(&without_trailing_commas(piece)))
         .ok()?;
     (value.is_object() || value.is_array()).then_some(value)
@@ -71,6 +74,7 @@ fn closing(text: &str) -> Option<usize> {
         match c {
             '{' | '[' => depth += 1,
             '}' | ']' => {
+                // Brackets need not match in kind here: the parser decides that.
                 depth = depth.saturating_sub(1);
                 if depth == 0 {
                     return Some(at + c.len_utf8());

@@ -132,6 +132,7 @@ impl ChatPlanner {
     fn plan_bare(&self, request: &PlanRequest<'_>) -> Result<Plan, PlanError> {
         let mut conversation = self.conversation(request);
         conversation.attempts = 1;
+        // Otherwise `stops` would take streets and quarters from the grammar's reading.
         conversation.instruction.read = None;
         let entries = conversation.resolve_addresses()?;
         let stops = conversation.instruction.stops(entries).stops;
@@ -175,6 +176,7 @@ impl Planner for ChatPlanner {
                     order,
                     fallback: None,
                 },
+                // The addresses hold; only their order is computed instead.
                 Err(error) => {
                     let fallback = self.fallback(PlanPart::Order, &error);
                     Ordered::shortest(request, stops, fallback)
@@ -182,6 +184,7 @@ impl Planner for ChatPlanner {
             },
             Err(error) => {
                 let fallback = self.fallback(PlanPart::Addresses, &error);
+                // The model's error, if the grammar has nothing to offer either.
                 let read = conversation.instruction.read.ok_or(error)?;
                 Ordered::shortest(request, read, fallback)
             }

@@ -16,6 +16,8 @@ const LONGEST_NAME: usize = 80;
 
 /// Fills each `{{gap}}` of a template once; what is filled in is not looked at again.
 pub(super) fn fill(template: &str, values: &[(&str, &str)]) -> String {
+    // By splitting the template, not by replacing in the result: an instruction with `{{names}}` in
+    // it stays as it is.
     let mut pieces = template.split("{{");
     let mut text = pieces.next().unwrap_or_default().to_owned();
     for piece in pieces {
@@ -77,6 +79,7 @@ fn seconds(milliseconds: u64) -> String {
     if milliseconds >= UNKNOWN {
         "null".to_owned()
     } else {
+        // Rounded up, so that different places are never no time apart.
         milliseconds.div_ceil(1000).to_string()
     }
 }

@@ -43,6 +43,7 @@ impl Question {
             Self::Addresses => ("deliveries", vec![("deliveries", list_of(&delivery))]),
             Self::Verification => {
                 let mut quoted = delivery.to_vec();
+                // Optional: words are needed only for doors that the grammar does not read.
                 quoted.push(("words?", or_null.clone()));
                 let rejected = [
                     ("building", text.clone()),

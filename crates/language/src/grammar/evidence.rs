@@ -29,6 +29,7 @@ impl Evidence {
         let tokens = tokenize(text);
         let vocabulary = words.vocabulary(&tokens);
         let names = names::find(&tokens, gazetteer, &vocabulary.known(&tokens));
+        // Numbers inside of names count as well. `with_names` hides them.
         let without_names = lexemes(&tokens, &[], vocabulary);
         let with_names = lexemes(&tokens, &names::ranges(&names), vocabulary);
         let mentions = mentions(&Reading {
@@ -112,6 +113,7 @@ pub(crate) fn unit_label(text: &str, words: &Words) -> Option<String> {
                 ..
             },
         ] => Some(label.clone()),
+        // A single letter, whatever its case: models write labels in either.
         [_] if tokens[0].text.chars().count() == 1 => Some(tokens[0].text.clone()),
         _ => None,
     }

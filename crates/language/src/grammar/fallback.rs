@@ -19,6 +19,8 @@ const SHORTEST_INSIDE: usize = 8;
 /// Doors behind words that say where to.
 pub(crate) fn doors(reading: &Reading<'_>) -> Vec<Door> {
     let pairs = pairs(reading);
+    // Several pairs, or one that begins a clause, are addresses. A single one elsewhere may be an
+    // amount.
     if pairs.len() > 1
         || pairs
             .first()
@@ -34,6 +36,7 @@ pub(crate) fn doors(reading: &Reading<'_>) -> Vec<Door> {
         } else {
             None
         };
+        // Always forward, so that the loop ends, and behind the door, whose words may hold an `of`.
         at = door.as_ref().map_or(at + 1, |door| door.last.max(at + 1));
         found.extend(door);
     }
@@ -127,6 +130,7 @@ fn partial_name(
     head: usize,
 ) -> Option<Mention> {
     let door = named(reading, head + 1)?;
+    // Words of a mention are understood already.
     let is_free = |mention: &Mention| mention.at.end <= door.first || door.last <= mention.at.start;
     if !is_destination(reading, mentions, head, &door) || !mentions.iter().all(is_free) {
         return None;
@@ -216,6 +220,7 @@ fn named(reading: &Reading<'_>, mut at: usize) -> Option<Door> {
         at += 1;
     }
     let is_unknown = |at: usize| reading.lex(at) == Some(&Lex::Unknown);
+    // A house number before its street.
     let number = usize::from(reading.is_cardinal(at) && is_unknown(at + 1));
     let name = (at + number..reading.lexemes.len()).take(LONGEST_NAME - number);
     let length = number + name.take_while(|i| is_part(reading, *i, at)).count();

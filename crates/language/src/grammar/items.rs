@@ -13,6 +13,7 @@ const MOST_ADJECTIVES: usize = 2;
 
 /// For each door the item that goes there; empty where none is named.
 pub(crate) fn items(reading: &Reading<'_>, doors: &[Door]) -> Vec<String> {
+    // Each item is given to one door; the others of its list share it.
     let mut free = all(reading);
     let mut named: Vec<String> = Vec::new();
     for i in 0..doors.len() {
@@ -78,6 +79,7 @@ fn all(reading: &Reading<'_>) -> Vec<Range<usize>> {
             continue;
         }
         let start = begin(reading, at);
+        // Adjacent nouns are one item: `letter box`.
         match found.last_mut().filter(|last| last.end >= start) {
             Some(last) => last.end = at + 1,
             None => found.push(start..at + 1),

@@ -58,6 +58,8 @@ fn around(reading: &Reading<'_>, doors: &[Door], door: &Door) -> Range<usize> {
         .map(|other| other.first)
         .filter(|first| *first >= door.last)
         .min();
+    // What stands between two doors is of one of them; the border says where the second one's
+    // begins.
     let from = before.map_or(0, |last| border(reading, last..door.first));
     let to = behind.map_or(reading.lexemes.len(), |first| {
         border(reading, door.last..first)
@@ -81,6 +83,7 @@ fn own_sentence(reading: &Reading<'_>, door: &Door, around: &Range<usize>) -> Ra
 fn flat(rooms: &[Mention], door: &Door, sentence: &Range<usize>) -> Option<AddressLevel> {
     let flat = rooms.iter().rev().find(|room| {
         let is_here = room.at.start >= sentence.start && room.at.end <= sentence.end;
+        // A room that stands for the unit is the door itself.
         is_here && door.unit.as_ref() != room.targets.first()
     })?;
     match &flat.targets[..] {
@@ -106,6 +109,7 @@ pub(crate) fn of_all(reading: &Reading<'_>, doors: &[Door]) -> String {
 /// The words of some lexemes, [`spelt`], without what is denied, is where something comes from, or
 /// is corrected.
 fn said(reading: &Reading<'_>, at: Range<usize>) -> String {
+    // What stands before the last correction was taken back.
     let start = at
         .clone()
         .rev()

@@ -66,6 +66,7 @@ pub(crate) fn find(tokens: &[Token], gazetteer: &Gazetteer, known: &[bool]) -> V
             if !is_name(tokens, known, &range, edits, alias) {
                 continue;
             }
+            // A name that stands there exactly is meant, however many names contain it.
             let places = if edits == 0 {
                 vec![alias.place]
             } else {
@@ -80,6 +81,8 @@ pub(crate) fn find(tokens: &[Token], gazetteer: &Gazetteer, known: &[bool]) -> V
             });
         }
     }
+    // The best first, for `choose`. The last two keys only make the order total, so that equal maps
+    // give equal results.
     matches.sort_by_key(|found| {
         let stretch = Stretch::of(&tokens[found.tokens.clone()]);
         let explained = Reverse(found.explained());
@@ -179,6 +182,7 @@ impl Stretch {
 fn choose(matches: Vec<Found>) -> Vec<Found> {
     let mut chosen: Vec<Found> = Vec::new();
     for found in matches {
+        // The best come first, so what overlaps a chosen match is worse or as good.
         match chosen.iter_mut().find(|other| other.overlaps(&found)) {
             None => chosen.push(found),
             Some(rival) => {
@@ -242,6 +246,8 @@ impl Letters {
         for (index, token) in tokens
             .iter()
             .enumerate()
+            // Names are compared without spaces and marks, so both are left out; `tokens` leads
+            // back.
             .filter(|(_, t)| t.kind != Kind::Mark)
         {
             for (i, c) in token.text.chars().enumerate() {
@@ -258,6 +264,7 @@ impl Letters {
     fn matches(&self, alias: &Alias) -> Vec<Match> {
         let count = alias.letters.len();
         let limit = allowed_edits(count);
+        // Cheap tests first: most names of a map stand nowhere in an instruction.
         let is_too_long = count > self.chars.len() + limit;
         if count == 0 || is_too_long || !self.pairs.may_hold(&alias.letters, limit) {
             return Vec::new();
@@ -281,11 +288,16 @@ impl Letters {
         let mut old = older.clone();
         let mut found = Vec::new();
         for j in 0..self.chars.len() {
+            // Sellers lets a match begin at any letter, with a zero in row 0. Here only letters
+            // that begin a word have it.
             if self.begins[j] {
                 begin(&mut old, name, j);
             }
             let row = self.row(name, j, &older, &old);
+            // Only where a word ends.
             let ends_here = self.tokens.get(j + 1) != Some(&self.tokens[j]);
+            // The last cell is the whole name. Its `begin` was carried along the cheapest path, so
+            // no path is traced back.
             let end = row[n];
             if ends_here && end.edits <= limit {
                 let tokens = self.tokens[end.begin]..self.tokens[j] + 1;
@@ -294,6 +306,7 @@ impl Letters {
                     edits: end.edits,
                 });
             }
+            // Three rows suffice: a swap of neighbours looks back by two letters.
             older = std::mem::replace(&mut old, row);
         }
         found
@@ -309,12 +322,15 @@ impl Letters {
             name.len() + 1
         ];
         for i in 1..=name.len() {
+            // Cells compare by edits, then by their beginning, so of equal costs the longest match
+            // wins.
             let kept = old[i - 1].plus(exchange(name[i - 1], self.chars[j]));
             let dropped = old[i].plus(gap(self.chars[j]));
             let missed = row[i - 1].plus(gap(name[i - 1]));
             row[i] = kept.min(dropped).min(missed);
             let is_swapped =
                 i > 1 && j > 0 && name[i - 1] == self.chars[j - 1] && name[i - 2] == self.chars[j];
+            // A gap costs 1 for a letter, so a sum of 2 says that neither is a digit.
             if is_swapped && gap(name[i - 1]) + gap(name[i - 2]) == 2 {
                 row[i] = row[i].min(older[i - 2].plus(1));
             }
@@ -326,6 +342,8 @@ impl Letters {
 /// Lets a match begin at letter `j` of the text, the first letters of the name missing or not.
 fn begin(row: &mut [Cell], name: &[char], j: usize) {
     row[0] = Cell { edits: 0, begin: j };
+    // A match that begins here may lack the first letters of the name. Where an earlier beginning
+    // is as cheap, it stays.
     for i in 1..=name.len() {
         row[i] = row[i].min(row[i - 1].plus(gap(name[i - 1])));
     }
@@ -391,13 +409,17 @@ impl PairSet {
     /// most three pairs.
     fn may_hold(&self, name: &[char], limit: usize) -> bool {
         let there = name.windows(2).filter(|pair| self.contains(pair)).count();
+        // A swap of neighbours touches the pair itself and one on each side. A hash that collides
+        // only lets a name through to the exact test.
         there + 3 * limit >= name.len().saturating_sub(1)
     }
 }
 
 fn hash(pair: &[char]) -> usize {
+    // Multiplication by large odd numbers spreads neighbouring letters over the high bits.
     let first = u32::from(pair[0]).wrapping_mul(0x9E37_79B1);
     let second = u32::from(pair[1]).wrapping_mul(0x85EB_CA6B);
+    // The 12 highest bits: an index into 64 words of 64 bits.
     ((first ^ second) >> 20) as usize
 }
 

@@ -19,6 +19,7 @@ pub(crate) fn owners(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<
 fn by_turns(reading: &Reading<'_>, mentions: &[Mention]) -> Option<Vec<Option<usize>>> {
     let count = mentions.len();
     let alternate = (1..count).all(|i| mentions[i].is_building() != mentions[i - 1].is_building());
+    // Two mentions are one pair anyway, and an odd number leaves one without a partner.
     if count < 4 || !count.is_multiple_of(2) || !alternate {
         return None;
     }
@@ -37,6 +38,8 @@ fn by_turns(reading: &Reading<'_>, mentions: &[Mention]) -> Option<Vec<Option<us
 /// The building of the pair that a mention is in: the pairs are 0 and 1, 2 and 3, and so on.
 fn building_of_pair(mention: usize, building_first: bool) -> usize {
     if building_first {
+        // Pairs are 0 and 1, 2 and 3: clearing the lowest bit gives the first of a pair, setting it
+        // the second.
         mention & !1
     } else {
         mention | 1
@@ -61,8 +64,10 @@ struct Neighbour {
 fn nearest(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<usize>> {
     let gaps: Vec<i32> = mentions
         .windows(2)
+        // Between neighbours only; a way over several mentions is as wide as its widest gap.
         .map(|pair| gap(reading, &pair[0], &pair[1]))
         .collect();
+    // An instruction mostly keeps one order, so ties follow the pair before.
     let mut building_first = true;
     let mut owners = Vec::new();
     for i in 0..mentions.len() {
@@ -83,6 +88,8 @@ fn nearest(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<usize>> {
         // Where the number stands before its word a unit comes behind its building.
         let has_near_before = before.is_some_and(|before| before.gap < FAR);
         let is_before = is_number_first(reading, &mentions[i]) && has_near_before;
+        // A building behind the unit in another sentence is another address; one before it may
+        // still be the one that is spoken of.
         let after = after.filter(|after| after.gap < FAR && !is_before);
         let owner = nearer(before, after, building_first).map(|owner| owner.building);
         if let Some(owner) = owner {

@@ -69,6 +69,7 @@ impl GrammarPlanner {
         }
         let tokens = tokenize(instruction);
         let vocabulary = self.words.vocabulary(&tokens);
+        // Names before lexemes: a word in a name has no meaning of its own.
         let names = names::find(&tokens, gazetteer, &vocabulary.known(&tokens));
         let lexemes = lexemes(&tokens, &names::ranges(&names), vocabulary);
         let reading = Reading {
@@ -79,6 +80,7 @@ impl GrammarPlanner {
 
         let mentions = mentioned(&reading, &names)?;
         let meant = self.meant(&reading, gazetteer, &mentions);
+        // Kept before `doors` takes the mentions: rooms behind a unit are levels, not doors.
         let rooms = levels::rooms(&meant);
         let mut doors = self.doors(&reading, gazetteer, meant, mentions.is_empty())?;
         let is_unsure = is_unsure(&reading, &doors);
@@ -127,6 +129,7 @@ impl GrammarPlanner {
             namings, sharings, ..
         } = &self.rules;
         let mut doors = pairing::doors(namings, sharings, reading, meant, gazetteer);
+        // Only without any mention: where all were denied, a guess must not bring a door back.
         if doors.is_empty() && has_no_mention {
             doors = fallback::doors(reading);
         }

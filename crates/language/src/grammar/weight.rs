@@ -35,6 +35,7 @@ pub(crate) fn weighty_from(reading: &Reading<'_>, start: usize) -> Option<Class>
         let class = reading.class(at)?;
         // An article begins something else: `building 3 the cancelled parcel`.
         let begins = matches!(class, Class::Article | Class::Determiner | Class::Link);
+        // A word of no class ends the search by `?`: it begins something of its own.
         if !is_light(class) || begins || at == start + TAIL {
             return Some(class);
         }

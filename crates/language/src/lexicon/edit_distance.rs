@@ -4,12 +4,15 @@
 /// deletions, substitutions and swaps of neighbours. More than `limit` if it is more.
 pub(crate) fn edit_distance(a: &str, b: &str, limit: usize) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    // Each letter more or less is an edit, so the table would show nothing else.
     if a.len().abs_diff(b.len()) > limit {
         return limit + 1;
     }
     let mut costs = vec![vec![0; b.len() + 1]; a.len() + 1];
     for i in 0..=a.len() {
         for j in 0..=b.len() {
+            // `costs[i][j]`: distance of the first `i` letters of `a` from the first `j` of `b`.
+            // Against no letters it is a deletion or insertion of all.
             costs[i][j] = if i == 0 || j == 0 {
                 i + j
             } else {

@@ -10,6 +10,7 @@ pub(crate) fn is_combining(c: char) -> bool {
 /// Full-width forms, typographic hyphens and apostrophes as their plain counterparts.
 pub(crate) fn half_width(c: char) -> char {
     match c {
+        // Full-width forms stand in the order of ASCII, at this distance.
         '\u{FF01}'..='\u{FF5E}' => char::from_u32(u32::from(c) - 0xFEE0).unwrap_or(c),
         '\u{3000}' => ' ',
         '\u{2010}'..='\u{2015}' | '\u{2212}' => '-',
@@ -20,6 +21,7 @@ pub(crate) fn half_width(c: char) -> char {
 
 /// Appends `c` in lower case, without accent, simplified.
 pub(crate) fn push_folded(out: &mut String, c: char) {
+    // One character may become several.
     for lower in c.to_lowercase() {
         match without_accent(lower) {
             Some(plain) => out.push_str(plain),

@@ -32,6 +32,7 @@ pub(crate) fn lexemes(
         });
         at += length;
     }
+    // Behind the first pass, since both steps depend on what stands beside a word.
     correct_spelling(&mut lexemes, tokens, vocabulary);
     count_articles(&mut lexemes, tokens, vocabulary);
     lexemes
@@ -39,6 +40,7 @@ pub(crate) fn lexemes(
 
 /// The lexeme at a token, and how many tokens it takes.
 fn lexeme(tokens: &[Token], at: usize, vocabulary: Vocabulary<'_>) -> (usize, Lex) {
+    // Before words: a number may begin with a token that is a word of its own, such as a letter.
     if let Some(found) = number(tokens, at, vocabulary) {
         return (found.length, found.lex);
     }
@@ -90,6 +92,7 @@ fn correct_spelling(lexemes: &mut [Lexeme], tokens: &[Token], vocabulary: Vocabu
             && is_beside_a_number(lexemes, at, tokens, vocabulary)
             && let Some(class) = vocabulary.misspelt_level(text(lexemes, at, tokens))
         {
+            // Only words in letters are corrected, and their languages put the level first.
             lexemes[at].lex = Lex::Word(class, false);
         }
         let is_behind_a_level =

@@ -66,6 +66,7 @@ fn glued(tokens: &[Token], at: usize, kind: Kind) -> Option<&Token> {
 
 /// `3`, `3rd`, `12A`, and digits that label nothing.
 fn digits(tokens: &[Token], vocabulary: Vocabulary<'_>) -> Number {
+    // Before labels: the first digits of a decimal or a telephone number would be one.
     if let Some(number) = decimal_or_time(tokens) {
         return number;
     }
@@ -113,6 +114,7 @@ fn labelled(digits: &str, tokens: &[Token], vocabulary: Vocabulary<'_>) -> Numbe
     let is_letter = next.text.chars().count() == 1 && !is_letter_level(&tokens[1..]);
     if is_ordinal_ending(&next.text, vocabulary) {
         number(2, "", true)
+    // `12A` is a label; `12m` may be a length, so a small letter must be no measure.
     } else if is_letter && (next.capital || !is_measure) {
         number(2, &next.text, false)
     } else if is_measure {
@@ -190,6 +192,7 @@ fn spelt(tokens: &[Token], vocabulary: Vocabulary<'_>) -> Option<Number> {
     let first = vocabulary.longest(tokens)?;
     let (mut total, mut ordinal) = spelt_value(first.meaning)?;
     let mut used = first.length;
+    // An ordinal ends its number: `twenty-first`, but never `first twenty`.
     while !ordinal && used < tokens.len() {
         let joint = joint(&tokens[used], first.language, total);
         let rest = &tokens[(used + joint).min(tokens.len())..];
@@ -230,6 +233,7 @@ fn joint(token: &Token, language: usize, total: u32) -> usize {
     let text = token.text.as_str();
     let language = LANGUAGES[language];
     let is_hundreds = total >= 100 && total.is_multiple_of(100);
+    // From 20 on, where tens take units: `one-two` is no number.
     let hyphen = text == marks::HYPHEN && token.glued && total >= 20;
     let word = language.joints.contains(&text) && total >= 20;
     let hundreds = language.hundred_joints.contains(&text) && is_hundreds;
@@ -263,6 +267,7 @@ fn compound(word: &str, vocabulary: Vocabulary<'_>) -> Option<u32> {
         cardinal.or((text == form.one).then_some(1))
     };
     word.match_indices(form.joint).find_map(|(at, joint)| {
+        // At each joint, since a number may contain its letters: `hundert` holds `und`.
         let units = value(&word[..at]).filter(|units| *units < 10);
         let tens = value(&word[at + joint.len()..]).filter(|tens| (20..100).contains(tens));
         Some(units? + tens?)
@@ -290,6 +295,8 @@ fn ideograph_value(values: &[u32]) -> Option<u32> {
     if values.is_empty() {
         return None;
     }
+    // Without a multiple among them numerals are digits in places. Bounded as digits are, so the
+    // sum cannot overflow.
     if values.iter().all(|value| *value < 10) {
         let is_short = values.len() <= MOST_DIGITS;
         return is_short.then(|| values.iter().fold(0, |sum, value| sum * 10 + value));
@@ -298,6 +305,7 @@ fn ideograph_value(values: &[u32]) -> Option<u32> {
     let mut pending = None;
     for value in values {
         match value {
+            // `十二` is 12: a multiple without a factor counts once.
             10 | 100 => total += pending.take().unwrap_or(1) * value,
             20 => total += 20,
             _ => pending = Some(*value),

@@ -41,6 +41,7 @@ pub(crate) fn tokenize(text: &str) -> Vec<Token> {
     let mut tokens: Vec<Token> = Vec::new();
     let mut spaced = true;
     for (at, original) in text.char_indices() {
+        // Skipped before white space is noted: a letter behind an accent still joins its word.
         if is_combining(original) {
             continue;
         }
@@ -51,6 +52,7 @@ pub(crate) fn tokenize(text: &str) -> Vec<Token> {
         }
         let kind = kind_of(folded);
         let end = at + original.len_utf8();
+        // Ideographs and marks are tokens of one character each, since no spaces part their words.
         let joins = !spaced && matches!(kind, Kind::Letters | Kind::Digits);
         match tokens.last_mut().filter(|last| joins && last.kind == kind) {
             Some(last) => {
@@ -90,6 +92,8 @@ fn kind_of(c: char) -> Kind {
 fn is_ideograph(c: char) -> bool {
     matches!(
         c,
+        // In this order: iteration marks and the zero, kana, CJK extension A, CJK, Hangul
+        // syllables, compatibility ideographs, supplementary planes.
         '\u{3005}'..='\u{3007}'
             | '\u{3040}'..='\u{30FF}'
             | '\u{3400}'..='\u{4DBF}'

@@ -133,6 +133,7 @@ impl Words {
             words.add_language(language, i);
         }
         for list in words.entries.values_mut() {
+            // A stable sort: entries of one length stay in the order of the languages.
             list.sort_by_key(|entry| std::cmp::Reverse(entry.rest.len()));
         }
         words
@@ -189,9 +190,11 @@ impl Words {
         // Of equals the first language.
         let best = (0..LANGUAGES.len())
             .filter(is_latin)
+            // `max_by_key` returns the last of equals, so the languages are reversed.
             .rev()
             .max_by_key(|i| scores[*i]);
         let best = best.unwrap_or_default();
+        // Japanese is hardly ever written without kana, and Chinese never with them.
         let has_kana = tokens.iter().any(|token| token.text.chars().any(is_kana));
         let ideographs = if has_kana { Script::Kana } else { Script::Han };
         LanguageSet::of(|i| i == best || LANGUAGES[i].script == ideographs)
@@ -206,6 +209,7 @@ impl Words {
             let found = self.entries.get(&tokens[at].text).into_iter().flatten();
             let mut seen = [false; LANGUAGES.len()];
             for entry in found.filter(|entry| entry.fits(&tokens[at..])) {
+                // Its longest one, since entries are sorted by length.
                 if !std::mem::replace(&mut seen[entry.language], true) {
                     scores[entry.language] += 1 + entry.rest.len();
                 }

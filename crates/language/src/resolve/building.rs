@@ -99,6 +99,7 @@ fn labelled(label: &str, said: &str, map: &OsmMap, gazetteer: &Gazetteer) -> Cho
     let choose = |places: &[usize]| choose(places, said, map, gazetteer);
     // `building B8`
     let bare = || choose(gazetteer.labelled(without_letter(label)?));
+    // The words as they stand come first: `Tower 3` may be a name of its own beside a `building 3`.
     choose(gazetteer.named(said))
         .or_else(|| choose(gazetteer.labelled(label)))
         .or_else(bare)
@@ -115,6 +116,7 @@ fn described(words: String, map: &OsmMap, gazetteer: &Gazetteer) -> Choice {
         .map(condensed)
         .filter(|part| !part.is_empty());
     let parts: Vec<String> = parts.collect();
+    // Short parts stand inside many names by chance.
     let letters: usize = parts.iter().map(|part| part.chars().count()).sum();
     if letters >= SHORTEST_PART {
         let found = gazetteer.with_parts(&parts);
@@ -157,6 +159,7 @@ fn choose(places: &[usize], said: &str, map: &OsmMap, gazetteer: &Gazetteer) -> 
         names.len(),
         quote(names.iter().map(String::as_str))
     );
+    // All that fit are equally likely.
     let confidence = 1.0 / names.len() as f64;
     Some(Choice {
         name: first,
@@ -179,6 +182,7 @@ pub(super) fn map_name(name: &str, map: &OsmMap) -> String {
         ) != Location::Unknown
     };
     std::iter::once(name)
+        // OSM puts several values into one tag with semicolons.
         .chain(name.split(';').map(str::trim))
         .find(known)
         .unwrap_or(name)

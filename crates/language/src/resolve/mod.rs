@@ -63,6 +63,7 @@ impl Stop {
 /// Gives every wish its address on `map`.
 pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> Stops {
     let around = wishes.doors.iter().map(|wish| wish.around.as_str());
+    // Once for all doors, so that the map's streets and quarters are searched once.
     let whole = around.chain([wishes.around_all.as_str()]).collect();
     let surroundings = Surroundings {
         map,
@@ -75,6 +76,7 @@ pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> St
     let mut ranges = Vec::with_capacity(wishes.doors.len());
     for wish in wishes.doors {
         let first = stops.len();
+        // The limit holds for all wishes together: `all units` of many buildings must not add up.
         let single = single(wish, MOST_STOPS.saturating_sub(stops.len()), map, gazetteer);
         stops.extend(
             single
@@ -83,6 +85,8 @@ pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> St
         );
         ranges.push(first..stops.len());
     }
+    // Orders are between wishes, of which each may have become several stops or, after merging,
+    // share one.
     let before: Vec<Precedes> = wishes
         .before
         .iter()
@@ -104,6 +108,7 @@ fn orders_of_stops(order: Precedes, ranges: &[Range<usize>]) -> Vec<Precedes> {
 fn stop(wish: Wish, all: &str, surroundings: &Surroundings<'_>, gazetteer: &Gazetteer) -> Stop {
     let map = surroundings.map;
     let mut chosen = building(wish.building, map, gazetteer);
+    // What is said of the door itself comes before what is said of all.
     for said in [&wish.around, all] {
         chosen = by_own_words(surroundings.narrow(chosen, said), said, map, gazetteer);
     }
@@ -116,6 +121,8 @@ fn stop(wish: Wish, all: &str, surroundings: &Surroundings<'_>, gazetteer: &Gaze
     let mut levels = surroundings.above(&building, &(wish.around + all));
     levels.extend(wish.below);
     let mut unit = wish.unit.map(|unit| unit_name(&unit, &building, map));
+    // A flat behind an entrance that is not said: the building is the address, the flat a level
+    // below.
     if let Some(room) = unit.take_if(|unit| wish.is_room && is_behind_a_unit(&building, unit, map))
     {
         let name = room
@@ -163,6 +170,8 @@ fn door_of(stop: &Stop, stops: &[Stop]) -> Address {
 fn merge(stops: Vec<Stop>, before: &[Precedes]) -> Stops {
     let mut merged: Vec<Stop> = Vec::new();
     let mut place = Vec::with_capacity(stops.len());
+    // All of them before merging, since a whole building gives way to units that are named behind
+    // it as well.
     let addresses: Vec<Address> = stops.iter().map(|stop| door_of(stop, &stops)).collect();
     for (stop, address) in stops.into_iter().zip(addresses) {
         let known = merged.iter().position(|m| m.address.same_door(&address));
@@ -194,6 +203,7 @@ fn merge(stops: Vec<Stop>, before: &[Precedes]) -> Stops {
             earlier: *place.get(order.earlier)?,
             later: *place.get(order.later)?,
         };
+        // Two wishes for one door have no order.
         (order.earlier != order.later).then_some(order)
     };
     Stops {

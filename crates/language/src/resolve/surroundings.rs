@@ -49,6 +49,8 @@ impl Surroundings<'_> {
             .collect();
         let count = |b: usize| here.iter().filter(|above| above.holds(map, b)).count();
         let counts: Vec<usize> = buildings.iter().map(|(_, b)| count(*b)).collect();
+        // The building that most of the said levels hold, and only if no other one has as many.
+        // Nothing said gives all of them zero, and so none.
         let most = counts.iter().copied().max().unwrap_or_default();
         let mut there = buildings
             .iter()
@@ -62,6 +64,7 @@ impl Surroundings<'_> {
             .filter(|above| above.holds(map, *building))
             .map(|above| above.level.name.as_str())
             .collect();
+        // The shortest address that the map finds exactly once: the name, with one level, with all.
         let longer = within.iter().map(|level| format!("{name}, {level}"));
         let longest = format!("{name}, {}", within.join(", "));
         let names = std::iter::once((*name).clone())
@@ -128,6 +131,7 @@ pub(super) fn by_own_words(
     let tokens = tokenize(said);
     let mut told = tokens.iter().filter_map(|token| only(&token.text));
     match told.next() {
+        // Words that point to different places decide nothing.
         Some(place) if told.all(|other| other == place) => {
             Choice::sure(map_name(&gazetteer.places[place].name, map))
         }
@@ -184,5 +188,6 @@ fn is_said(level: &AddressLevel, said: &str) -> bool {
         .filter(|c| c.is_alphabetic())
         .nth(1)
         .is_some();
+    // `spelt` puts marks around words, so a name is found as whole words only.
     is_name && said.contains(&spelt(&level.name))
 }

@@ -23,6 +23,7 @@ pub(super) fn single(wish: Wish, most: usize, map: &OsmMap, gazetteer: &Gazettee
             .any(|label| fold_unit(&generic("unit", label)) == fold_unit(unit))
     };
     let all = units_of(&name, map);
+    // The map and the instruction differ, so which units are meant is not known.
     let is_other = count.is_some_and(|count| count != all.len());
     let is_of_parity = |unit: &String| parity.is_none_or(|parity| has_parity(unit, parity));
     let units: Vec<String> = all
@@ -68,6 +69,7 @@ fn units_of(building: &str, map: &OsmMap) -> Vec<String> {
     let mut units: Vec<String> = here
         .filter_map(|entrance| entrance.units.first().cloned())
         .collect();
+    // By length first, so that `unit10` comes behind `unit9`.
     units.sort_by_key(|unit| (unit.len(), unit.clone()));
     units.dedup_by_key(|unit| fold_unit(unit));
     units
@@ -91,6 +93,7 @@ pub(super) fn unit_name(unit: &Named, building: &str, map: &OsmMap) -> String {
     let name = match unit {
         Named::Label { label, .. } => generic("unit", label),
         Named::Words(words) => match label(words) {
+            // A bare number is written as plans write units; other words may be a name.
             short if !short.is_empty() && short.chars().all(|c| c.is_ascii_digit()) => {
                 generic("unit", &short)
             }

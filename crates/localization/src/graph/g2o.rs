@@ -268,6 +268,7 @@ fn text_of<P: Entry<D>, const D: usize>(numbered: &NumberedGraph<P, D>) -> Strin
 
 fn push_numbers(text: &mut String, numbers: &[f64]) {
     for number in numbers {
+        // `Display` writes the shortest text that reads back as the same number.
         let _ = write!(text, " {number}");
     }
 }

@@ -50,6 +50,7 @@ impl Pose<3> for Isometry2<f64> {
         let turn = nalgebra::UnitComplex::new(motion.z);
         let there = self.translation.vector + self.rotation * motion.xy();
         let mut rotation = self.rotation * turn;
+        // Rounding would add up over the steps of a solution and over the poses of a chain.
         rotation.renormalize();
         Self::from_parts(there.into(), rotation)
     }
@@ -61,6 +62,7 @@ impl Pose<3> for Isometry2<f64> {
 
     fn distance_jacobian(&self) -> Matrix3<f64> {
         let (cosine, sine) = (self.rotation.re, self.rotation.im);
+        // A shift in the pose's own frame moves its translation by the rotated shift.
         Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0)
     }
 

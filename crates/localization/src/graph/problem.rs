@@ -175,6 +175,8 @@ impl Parts {
     fn join(&mut self, a: usize, b: usize) {
         let a = self.first(a);
         let b = self.first(b);
+        // The lower index stays the root: the first pose of a part stands for it, and `anchors`
+        // holds that pose.
         self.parent[a.max(b)] = a.min(b);
     }
 }

@@ -80,6 +80,7 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
         let Some(mut system) = System::new(self)? else {
             return Ok(Solved { chi2, steps: 0 });
         };
+        // Undamped at first: Gauss-Newton steps, until one of them makes chi² worse.
         let mut damping = 0.0;
         for step in 0..MAX_STEPS {
             system.linearize(self);
@@ -90,6 +91,7 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
             chi2 -= gain;
             if gain <= chi2 * min_gain {
                 return Ok(Solved {
+                    // Anew, since the rounding of all gains has added up in the running value.
                     chi2: self.chi2(),
                     steps: step + 1,
                 });
@@ -232,6 +234,7 @@ impl<const D: usize> System<D> {
             self.normal.add_right(to, &-(weighted_to * linear.residual));
         }
         if let (Some(from), Some(to)) = (from, to) {
+            // One of the two mixed blocks: the other is its transpose, and not stored.
             self.normal.add(to, from, &(weighted_to * linear.from));
         }
     }
@@ -240,6 +243,7 @@ impl<const D: usize> System<D> {
         let off = prior.disagreement(poses);
         let residual = off.distance();
         let square = normalized_square(&residual, &prior.information);
+        // Beyond the bound the truncated cost is constant, and has no gradient.
         let is_credible = square < prior.max_deviations * prior.max_deviations;
         if let Some(pose) = self.unknown[prior.at]
             && is_credible

@@ -43,6 +43,8 @@ impl<const D: usize> Normal<D> {
         }
         let size = unknowns * D;
         let values = vec![0.0; indices.len()];
+        // The pattern stays the same while a graph is solved. So the order of elimination is found
+        // once, and each step only factors numbers.
         let symbolic = SymbolicSparseColMat::new_checked(size, size, starts.clone(), None, indices);
         let factoring = SymbolicLlt::try_new(symbolic.as_ref(), Side::Lower).ok()?;
         Some(Self {
@@ -70,6 +72,8 @@ impl<const D: usize> Normal<D> {
             return;
         };
         for c in 0..D {
+            // Scalar column `c` begins on the diagonal. Of the first block it holds rows c to D -
+            // 1, of each block below all D rows.
             let start = self.starts[column * D + c];
             if place == 0 {
                 (c..D).for_each(|r| self.values[start + r - c] += block[(r, c)]);

@@ -155,10 +155,12 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
     /// Where the graph cannot be solved; the poses stay as they were then.
     pub fn settle(&mut self) -> Result<(), SolveError> {
         let mut graph = self.graph();
+        // All fixes are judged anew: later ones may show that an earlier verdict was wrong.
         self.fixes.iter_mut().for_each(|fix| fix.weight = 1.0);
         let mut control = None;
         for _ in 0..MAX_ROUNDS {
             self.set_priors(&mut graph);
+            // Each solution begins at the one before, about a cost that is a little less convex.
             graph.solve_to(MIN_GAIN)?;
             let squares = self.squared_residuals(&graph.poses);
             let mu = control.unwrap_or_else(|| self.convex_control(&squares));
@@ -214,6 +216,8 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
         if 2.0 * largest > 1.0 {
             1.0 / (2.0 * largest - 1.0)
         } else {
+            // Every r² is at most half its bound: the cost is convex already, and all fixes are
+            // inliers.
             f64::INFINITY
         }
     }
@@ -258,6 +262,7 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
         };
         let poses: Vec<P> = self.poses.iter().take(2).cloned().collect();
         let mut equations = TwoPoses::<D>::default();
+        // With the weights of the last solution: an outlier does not enter the anchor.
         let fixes = self.fixes.iter().filter(|fix| fix.fix.at == 0);
         for weighted in fixes {
             equations.add_prior(&weighted.fix, weighted.weight, &poses);
@@ -352,6 +357,7 @@ impl<const D: usize> TwoPoses<D> {
     }
 
     fn solve<P: Pose<D>>(&self, second: &P) -> Option<Prior<P, D>> {
+        // The first pose is eliminated: Λ₂₂ - Λ₂₁ Λ₁₁⁻¹ Λ₁₂, and the right side likewise.
         let solved = self.first.try_inverse()?;
         let information = self.second - self.mixed * solved * self.mixed.transpose();
         let information = (information + information.transpose()) * 0.5;

@@ -23,6 +23,7 @@ pub(super) fn degenerate_directions(
     let mut degenerate = Vec::new();
     for i in 0..3 {
         let known = eigen.eigenvalues[i];
+        // The eigenvalue is the information about the position along its eigenvector.
         let direction = eigen.eigenvectors.column(i).into_owned();
         let is_feigned = known < MIN_REAL * direction.dot(&(feigned * direction));
         if known <= best * MIN_SHARE || is_feigned {

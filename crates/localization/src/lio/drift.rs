@@ -55,6 +55,7 @@ impl Drift {
     /// again.
     pub(super) fn grow(&mut self, belief: &mut Belief, share: f64, degenerate: &[Vector3<f64>]) {
         self.carry(belief.state.position);
+        // Before the tilt is renewed: the scan was matched to the map as it was tilted until now.
         let seen = in_odom(&belief.in_map());
         renew_tilt(belief, share, &seen.fixed_view::<2, 2>(0, 0).into_owned());
         self.renew_roll_and_pitch(belief, share);
@@ -63,6 +64,7 @@ impl Drift {
             let mut block = keep.fixed_view_mut::<3, 3>(3, 3);
             block -= direction * direction.transpose();
         }
+        // Roll and pitch do not add up: they were renewed above.
         keep[(0, 0)] = 0.0;
         keep[(1, 1)] = 0.0;
         self.covariance += keep * seen * keep.transpose() * (share * LASTING);
@@ -71,6 +73,8 @@ impl Drift {
     /// Gravity shows the pose's tilt, and what is new in the map is tilted as the pose is. The
     /// map's tilt therefore does not grow without bound.
     fn renew_roll_and_pitch(&mut self, belief: &Belief, share: f64) {
+        // Rows and columns shrink, so variances shrink by the square. What is added makes the sum a
+        // mean of the old tilt and the pose's.
         let kept = 1.0 - share;
         for axis in 0..2 {
             let mut row = self.covariance.row_mut(axis);
@@ -113,6 +117,7 @@ impl Drift {
         let mut lever = Matrix6::identity();
         lever
             .fixed_view_mut::<3, 3>(3, 0)
+            // A rotation θ displaces the robot by θ × d = -d × θ, with the lever d.
             .copy_from(&-hat(position - self.position));
         self.covariance = lever * self.covariance * lever.transpose();
         self.position = position;
@@ -144,6 +149,7 @@ pub(super) fn set_map_upright(belief: &mut Belief) {
         .fixed_columns_mut::<2>(at::MAP_TILT)
         .fill(0.0);
     for i in at::MAP_TILT..at::MAP_TILT + 2 {
+        // Not zero, since the filter inverts the covariance.
         belief.covariance[(i, i)] = UPRIGHT_RAD * UPRIGHT_RAD;
     }
 }
@@ -154,6 +160,7 @@ fn renew_tilt(belief: &mut Belief, share: f64, seen: &Matrix2<f64>) {
     let share = share.min(MAX_RENEWED);
     belief.state.map_tilt *= 1.0 - share;
     let rotation = belief.state.rotation.to_rotation_matrix();
+    // The new tilt is (1 - share) tilt - share × (error of the rotation, turned into `odom`).
     let mut step = Covariance::identity();
     let mut by_rotation = step.fixed_view_mut::<2, 3>(at::MAP_TILT, at::ROTATION);
     by_rotation -= rotation.matrix().fixed_rows::<2>(0) * share;

@@ -102,6 +102,8 @@ fn replace_force(reading: &mut Reading, state: &State, wheels: WheelReport<'_>) 
             reading.accel = at_rest + state.accel_bias;
             reading.noise.accel = UNMEASURED_ACCEL;
         } else {
+            // Over an impact this density gives the velocity a deviation of excess * IMPACT_S. That
+            // is all that the force can have changed.
             reading.noise.accel = UNMEASURED_ACCEL.max(excess * IMPACT_S.sqrt());
         }
     }

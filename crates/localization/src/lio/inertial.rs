@@ -82,6 +82,7 @@ impl Inertial {
             return false;
         }
         let found = self.detector.examine(&imu);
+        // This sample is not among them yet.
         for earlier in self.samples.iter_mut().rev().take(found.earlier) {
             earlier.saturated = found.axes;
         }
@@ -128,6 +129,7 @@ impl Inertial {
             correct_saturated(&mut reading, after.saturated, unmeasured);
 
             prediction.nodes.push(propagate(belief, &reading, next));
+            // A step ends where a velocity does, so that it corrects the state of its own instant.
             while let Some(speed) = speeds.next_if(|speed| speed.stamp <= next) {
                 if next.since(speed.stamp) < MAX_SPEED_AGE {
                     apply_speed(belief, &settings.imu, reading.gyro, speed);
@@ -218,6 +220,7 @@ impl Inertial {
     /// Drops what is older than an instant; returns how many gaps were in it.
     pub(super) fn forget(&mut self, until: SimTime) -> usize {
         let mut gaps = 0;
+        // One sample at or before `until` stays: the mean reading of the next step begins at it.
         while self.samples.len() > 2 && self.samples[1].imu.stamp <= until {
             let interval = self.samples[1].imu.stamp.since(self.samples[0].imu.stamp);
             gaps += usize::from(interval > GAP);
@@ -248,6 +251,7 @@ impl GyroSaturation {
 
 /// Whether an IMU can show that.
 fn is_sound(sample: &ImuSample) -> bool {
+    // NaN compares as false, and is refused too.
     sample.gyro.iter().all(|x| x.abs() <= MAX_GYRO_RAD_S)
         && sample.accel.iter().all(|x| x.abs() <= MAX_ACCEL_M_S2)
 }

@@ -51,6 +51,8 @@ impl Prior {
     /// measures in part are counted in part.
     pub(super) fn innovation(&self, state: &State, posterior: &Covariance) -> f64 {
         let error = state.minus(&self.state);
+        // The entrywise product of symmetric matrices sums up to the trace of their product. For
+        // each dimension that is 1 where the scan says nothing, and 0 where it says all.
         let measured = SIZE as f64 - self.information.component_mul(posterior).sum();
         error.dot(&(self.information * error)) / measured.max(1.0)
     }
@@ -68,6 +70,7 @@ impl Prior {
             let measured = measure::<N>(&in_map, clusters);
             let jacobian = in_map.in_map_jacobian::<N>();
             let prior = self.about(&state, &measured.summary.degenerate);
+            // Equation 20 in its information form: (P⁻¹ + Hᵀ R⁻¹ H) step = -gradient.
             let information =
                 prior.information + jacobian.transpose() * measured.information * jacobian;
             let negative_gradient =
@@ -103,6 +106,7 @@ impl Prior {
     }
 
     fn posterior(&self, state: State, last: Iteration) -> Posterior {
+        // Of the last linearization; the step after it was small.
         let covariance = last.factor.inverse();
         let kept = covariance * last.prior_information;
         let unmeasured = self.unmeasured(&last.summary.degenerate, &kept);

@@ -62,6 +62,7 @@ impl Moments {
     pub fn moved(&self, motion: &Isometry3<f64>) -> Self {
         let rotation = motion.rotation.to_rotation_matrix().into_inner();
         let (shift, turned) = (motion.translation.vector, rotation * self.first);
+        // Of q = R p + t: Σ w q qᵀ = R S Rᵀ + (R f) tᵀ + t (R f)ᵀ + w t tᵀ.
         let mixed = turned * shift.transpose();
         let squares = rotation * self.squares() * rotation.transpose()
             + mixed

@@ -61,6 +61,8 @@ impl LidarNoise {
             squared_range,
         } = incidence;
         let sine_squared = along_normal * along_normal / squared_range;
+        // A ray at the angle α to the plane: its range error counts by sin α, its sideways error by
+        // cos α.
         sine_squared * self.range * self.range
             + (1.0 - sine_squared) * self.angle * self.angle * squared_range
     }

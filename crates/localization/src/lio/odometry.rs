@@ -97,6 +97,7 @@ impl LidarInertialOdometry {
 
     /// Takes in a sample of the IMU. Returns estimates for scans that waited for it.
     pub fn imu(&mut self, sample: ImuSample) -> Vec<Estimate> {
+        // Before the sample is taken in, and is the newest itself.
         let newest = self.pipeline.inertial.newest();
         let was_silent = newest.is_some_and(|newest| sample.stamp.since(newest) > MAX_SILENCE);
         if !self.pipeline.inertial.push(sample) {
@@ -153,6 +154,7 @@ impl LidarInertialOdometry {
                 estimates.push(self.pipeline.begin_map_with(&mut belief, &scan));
             }
         }
+        // Each scan above has set it to its own end.
         belief.stamp = start;
         self.pipeline.belief = Some(belief);
         estimates

@@ -223,6 +223,7 @@ impl Pipeline {
     /// A scan that contradicts the map is not trusted: the prediction stays.
     fn reject_contradiction(&self, step: &Step, registered: &mut Registered) {
         if registered.accepted().is_none() {
+            // The update has overwritten the prediction, so that is made again.
             registered.belief = step.before.clone();
             self.predict(&mut registered.belief, step.end);
         }
@@ -338,6 +339,7 @@ impl Pipeline {
         } = &*belief;
         let noise = &self.settings.lidar_noise;
         self.matching
+            // The pose is not corrected: the search only sorts the points into cubes.
             .find(state, covariance, &points, &self.map, noise, f64::INFINITY);
         self.matching.insert(state, &mut self.map);
         self.estimate(belief, None, Status::Tracking)

@@ -55,6 +55,8 @@ pub(super) fn measure<const N: usize>(state: &State, clusters: &[Cluster]) -> Me
             continue;
         };
         let mixed = residual.jacobian * errors.transpose();
+        // With S the sums, E the error rows and K = (E S Eᵀ + Λ)⁻¹, the points weigh S - S Eᵀ K E
+        // S.
         let error_sums = errors * residual.distance;
         information +=
             weighted * residual.jacobian.transpose() - mixed * shared * mixed.transpose();
@@ -64,6 +66,7 @@ pub(super) fn measure<const N: usize>(state: &State, clusters: &[Cluster]) -> Me
         feigned += feigned_information(plane);
         points += cluster.points.weight;
     }
+    // Directions are judged by all planes together, before anything is removed.
     let position = information.fixed_view::<3, 3>(3, 3).into_owned();
     let degenerate = degenerate_directions(&position, &feigned);
     for direction in &degenerate {
@@ -86,6 +89,8 @@ pub(super) fn measure<const N: usize>(state: &State, clusters: &[Cluster]) -> Me
 /// by chance.
 fn feigned_information(plane: &PlaneObservation) -> Matrix3<f64> {
     let weight = plane.weighted.weight;
+    // weight * (1 - lost * weight) is weight / (1 + shared * weight): points that share an error
+    // together say no more than 1 / shared.
     let lost = plane.shared / (1.0 + plane.shared * weight);
     plane.normal_covariance * (weight * (1.0 - lost * weight))
 }

@@ -129,6 +129,8 @@ fn propagate_covariance(belief: &mut Belief, reading: &Reading, dt: f64) {
         (at::ACCEL_BIAS, noise.accel_walk),
     ] {
         for i in first..first + 3 {
+            // White noise of density σ adds σ² dt to the variance of its integral. As in F_w of
+            // equation 7 the position gets its part by way of the velocity.
             belief.covariance[(i, i)] += density * density * dt;
         }
     }

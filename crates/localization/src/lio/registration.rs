@@ -119,6 +119,8 @@ impl<'a> Registration<'a> {
             if is_last_gate && !has_moved(&moved) {
                 return self.finish(belief, posterior, matching);
             }
+            // Where to linearize and to search next. Each update begins at the prior again, so that
+            // the scan counts once; the covariance serves the gates alone.
             here.state = posterior.state;
             if self.is_uncertain {
                 here.covariance = posterior.covariance;
@@ -152,6 +154,7 @@ impl<'a> Registration<'a> {
         }
         let innovation = self.prior.innovation(&state, &covariance);
         belief.state = state;
+        // Rounding makes it slightly asymmetric, and the errors would add up from scan to scan.
         belief.covariance = (covariance + covariance.transpose()) * 0.5;
         Some(ScanMatch {
             points: summary.points,

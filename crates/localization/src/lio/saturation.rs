@@ -91,6 +91,7 @@ impl Peak {
                 earlier: 0,
             };
         }
+        // A new peak has been seen once. Anything below it ends the row.
         self.repeats = if magnitude == self.magnitude {
             self.repeats + 1
         } else {

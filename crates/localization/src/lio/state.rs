@@ -164,6 +164,7 @@ impl State {
         for (row, column) in columns.take(N).enumerate() {
             jacobian[(row, column)] = 1.0;
         }
+        // A tilt is about axes of `odom`; the rotation's error is in the IMU's frame.
         let upright = self.rotation.inverse().to_rotation_matrix();
         let level_axes = upright.matrix().fixed_columns::<2>(0);
         jacobian

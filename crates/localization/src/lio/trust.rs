@@ -79,12 +79,14 @@ impl Trust {
             radians: RECKONED.radians + RECKONED_PER_RADIAN * restart.radians,
         };
         let mut belief = restart.belief;
+        // The belief's velocity is from when it last agreed; the wheels know the present one.
         let robot = belief.state.rotation * imu.rotation.inverse();
         belief.state.velocity = robot * reckoned.velocity;
         belief.add_deviation(at::ROTATION, RECKONED.radians);
         // The same number, in m/s.
         belief.add_deviation(at::VELOCITY, deviation.metres);
         drift.lose(&mut belief, deviation);
+        // Otherwise the jump itself would look like a contradiction.
         self.watchdog.restart(&belief, imu);
         self.innovation = 0.0;
         self.restarted = Some(belief.stamp);

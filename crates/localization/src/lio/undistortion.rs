@@ -54,6 +54,8 @@ pub(super) fn undistort(
         if !is_usable(&measured, min_range_m) {
             continue;
         }
+        // Points from before the first node belong to the time of the last estimate, and count as
+        // at the first node.
         let stamp = (scan.stamp + Duration::from_nanos(point.offset_ns.into())).max(first.stamp);
         index = node_at(nodes, stamp, index);
         let dt = stamp.since(nodes[index].stamp).as_secs_f64();

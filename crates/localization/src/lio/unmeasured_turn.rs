@@ -46,6 +46,7 @@ impl UnmeasuredTurn {
             return false;
         }
         let rate = turn / saturation.duration.as_secs_f64();
+        // About the other axes the gyroscope has measured the turn.
         for axis in (0..3).filter(|axis| saturation.axes[*axis]) {
             self.rate[axis] += rate[axis];
         }

@@ -22,12 +22,14 @@ const MIN_TIME_S: f64 = 1e-3;
 /// `gyro` the gyroscope's reading, rad/s.
 pub(super) fn apply_speed(belief: &mut Belief, imu: &Pose3, gyro: Vector3<f64>, speed: &Speed) {
     let state = &belief.state;
+    // The origin of the robot's frame as seen from the IMU: in a turn it moves along another arc.
     let lever = imu.inverse().translation.vector;
     let from_imu = imu.rotation.to_rotation_matrix().into_inner();
     let velocity_of_imu = state.rotation.inverse() * state.velocity;
     let expected = from_imu * (velocity_of_imu + (gyro - state.gyro_bias).cross(&lever));
     let residual = speed.velocity - expected;
     let into_imu = state.rotation.inverse().to_rotation_matrix().into_inner();
+    // By R exp(δ): Rᵀ v becomes Rᵀ v + (Rᵀ v) × δ. By a larger bias b: -b × lever = lever × b.
     let mut jacobian = SMatrix::<f64, 3, SIZE>::zeros();
     for (first, block) in [
         (at::ROTATION, from_imu * hat(velocity_of_imu)),
@@ -43,6 +45,8 @@ pub(super) fn apply_speed(belief: &mut Belief, imu: &Pose3, gyro: Vector3<f64>, 
     };
     let excess = (residual.transpose() * inverse * residual)[0] / (GATE * GATE);
     if excess > 1.0 {
+        // Rejected measurements would leave a filter alone that is wrong itself; with more noise
+        // they still pull it.
         noise *= excess;
     }
     update(belief, &jacobian, &residual, &noise);

@@ -121,6 +121,7 @@ impl Watchdog {
         imu: &Pose3,
     ) -> Verdict {
         let mark = self.push(belief, step, is_supported, imu);
+        // The oldest mark of the window: errors of a single step are too small to tell.
         let agrees = agree(&self.marks[0], &mark);
         let max_speed = MAX_SPEED_RATIO * step.velocity.norm() + MAX_SPEED_EXCESS_M_S;
         let is_too_fast = belief.state.velocity.norm() > max_speed;
@@ -157,6 +158,7 @@ impl Watchdog {
             self.note_slow_drift(&last, &mark, step);
         }
         self.marks.push_back(mark);
+        // The second mark decides: the oldest one stays until another is a whole window old.
         while self.marks.len() > 2 && belief.stamp.since(self.marks[1].stamp) >= WINDOW {
             self.marks.pop_front();
         }
@@ -174,6 +176,7 @@ impl Watchdog {
         let seconds = mark.stamp.since(last.stamp).as_secs_f64();
         let filtered = last.filtered.inverse() * mark.filtered;
         let extra = yaw(&filtered) - yaw(&step.motion);
+        // Leaky sums: what lies a window back has faded to about a third.
         let kept = (1.0 - seconds / EXTRA_TURN_WINDOW_S).max(0.0);
         self.extra_turn = self.extra_turn * kept + extra;
         if step.radians <= STRAIGHT_RAD_S * seconds {

@@ -45,6 +45,7 @@ impl WheelSpeeds {
     pub(super) fn at(&self, stamp: SimTime) -> Option<&Speed> {
         let before = self.0.partition_point(|speed| speed.stamp <= stamp);
         let speed = self.0.get(before.saturating_sub(1))?;
+        // `since` is zero where the other stamp is later, so one of the two decides.
         let is_valid = stamp.since(speed.stamp) <= VALIDITY && speed.stamp.since(stamp) <= VALIDITY;
         is_valid.then_some(speed)
     }

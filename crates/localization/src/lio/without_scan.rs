@@ -45,6 +45,7 @@ impl Pipeline {
         self.drift.lose(&mut belief, LOST);
         self.begin_map();
         self.inertial.clear();
+        // Wheels and gyroscope of the time before say nothing about a pose that is unknown.
         self.trust.forget_trajectory();
         self.refused.gaps += 1;
         let estimate = self.estimate(&belief, None, Status::Lost);

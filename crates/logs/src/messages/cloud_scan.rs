@@ -153,6 +153,8 @@ impl PointCloud2 {
         let mut times = Vec::new();
         for bytes in self.points() {
             let point = layout.point(bytes);
+            // Drivers write NaN for rays without a return. Such a point is dropped, so its time
+            // need not be valid.
             if !point.xyz.iter().all(|v| v.is_finite()) {
                 continue;
             }
@@ -174,6 +176,7 @@ impl PointCloud2 {
     fn check_layout(&self) -> Result<(), CloudError> {
         let points = u64::from(self.width) * u64::from(self.height);
         let needed = u64::from(self.row_step).checked_mul(u64::from(self.height));
+        // Rows may be padded, so their length may exceed that of their points.
         let row = u64::from(self.width) * u64::from(self.point_step) <= u64::from(self.row_step);
         if row && needed.is_some_and(|n| n <= self.data.len() as u64) {
             return Ok(());
@@ -216,6 +219,7 @@ impl Layout {
             xyz: self.xyz.map(|at| f32::from_bits(word(bytes, at))),
             reflectivity: self
                 .intensity
+                // The conversion saturates, and NaN becomes 0.
                 .map_or(0, |at| f32::from_bits(word(bytes, at)) as u8),
             offset_ns: 0,
             line: self.line.map_or(0, |at| bytes[at]),
@@ -253,6 +257,7 @@ impl Clock {
     /// The first of the known fields for times that the cloud has.
     fn of(cloud: &PointCloud2) -> Option<Self> {
         use TimeUnit::{Epoch, Nanoseconds, Seconds};
+        // By name and type: `time` and `timestamp` have other meanings in other types.
         let known = [
             ("offset_time", UINT32, Nanoseconds),
             ("t", UINT32, Nanoseconds),
@@ -275,6 +280,7 @@ impl Clock {
             TimeUnit::Seconds => f64::from(f32::from_bits(word(bytes, self.at))) * 1e9,
             TimeUnit::Epoch => since_stamp(long_word(bytes, self.at), stamp),
         };
+        // Also false for NaN. The bound keeps the differences in `set_times` far from overflow.
         (nanoseconds.abs() < 1e11).then_some(nanoseconds as i64)
     }
 }
@@ -294,9 +300,11 @@ fn since_stamp(time: f64, stamp: SimTime) -> f64 {
 
 /// Sets the times of the points. The time stamp moves to the first point if that lies before it.
 fn set_times(scan: &mut LidarScan, times: &[i64]) -> Option<()> {
+    // Offsets are unsigned. Some drivers stamp a scan with its last point, so others lie before it.
     let first = times.iter().copied().min().unwrap_or_default().min(0);
     scan.stamp = SimTime(scan.stamp.0.checked_add_signed(first)?);
     for (point, time) in scan.points.iter_mut().zip(times) {
+        // 32 bits of nanoseconds are 4.29 s, hence the limit in the error.
         point.offset_ns = u32::try_from(time - first).ok()?;
     }
     Some(())

@@ -32,6 +32,7 @@ impl Definition {
 
     fn collect_parts(&self, parts: &mut Vec<&'static Self>) {
         for part in self.parts {
+            // Each type once, however often it is used.
             if !parts.contains(part) {
                 parts.push(part);
                 part.collect_parts(parts);

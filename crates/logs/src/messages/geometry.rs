@@ -62,6 +62,8 @@ impl Pose {
             .chain(&self.orientation)
             .all(|v| v.is_finite());
         let rotation =
+            // ROS puts w last, nalgebra first. The quaternion is normalized: other writers may
+            // round it.
             UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6).filter(|_| finite)?;
         Some(Pose3::from_parts(
             Translation3::from(self.position),
@@ -268,6 +270,7 @@ impl Message for TfMessage {
     }
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+        // Time stamp, lengths of two names of frames, and seven numbers of the transform.
         const SMALLEST: usize = 8 + 4 + 4 + 7 * 8;
         Ok(Self(input.sequence(SMALLEST, TransformStamped::decode)?))
     }

@@ -107,12 +107,14 @@ impl Message for CustomMsg {
         out.u64(self.timebase);
         out.u32(self.points.len() as u32);
         out.u8(self.lidar_id);
+        // `rsvd`, reserved.
         (0..3).for_each(|_| out.u8(0));
         out.count(self.points.len());
         self.points.iter().for_each(|point| point.encode(out));
     }
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+        // `point_num` repeats the length of `points`, which is read.
         let (header, timebase, _) = (Header::decode(input)?, input.u64()?, input.u32()?);
         let lidar_id = input.u8()?;
         for _ in 0..3 {
@@ -122,6 +124,7 @@ impl Message for CustomMsg {
             header,
             timebase,
             lidar_id,
+            // 19 bytes: one u32, three f32, three u8.
             points: input.sequence(19, CustomPoint::decode)?,
         })
     }

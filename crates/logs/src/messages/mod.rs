@@ -84,6 +84,7 @@ pub trait Message: Sized {
     /// # Errors
     /// As [`Message::decode`].
     fn from_cdr(bytes: &[u8]) -> Result<Self, CdrError> {
+        // Not an error: ROS 2 middleware may pad a message to a multiple of four bytes.
         Self::decode(&mut CdrReader::new(bytes)?)
     }
 }

@@ -99,6 +99,7 @@ impl Path {
         let legs = points.windows(2).map(|leg| leg[0].bearing_to(leg[1]));
         let last = points
             .len()
+            // A single point has no direction, and gets a heading of zero.
             .checked_sub(2)
             .map_or(0.0, |i| points[i].bearing_to(points[i + 1]));
         let poses = points
@@ -137,6 +138,7 @@ impl Message for Path {
     }
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+        // Time stamp, the length of the frame's name, and seven numbers of the pose.
         const SMALLEST: usize = 8 + 4 + 7 * 8;
         Ok(Self {
             header: Header::decode(input)?,

@@ -72,6 +72,7 @@ impl Message for NavSatFix {
 
     fn encode(&self, out: &mut CdrWriter) {
         self.header.encode(out);
+        // `status` is an int8; zero has the same byte in both.
         out.u8(STATUS_FIX);
         out.u16(SERVICE_GPS);
         out.f64(self.position.lat);

@@ -84,6 +84,7 @@ impl PointCloud2 {
             FLOAT64 => 8,
             _ => 4,
         };
+        // Checked once for each field, so that reading from a point needs no check.
         let inside = field.offset.checked_add(size)? <= self.point_step;
         inside.then_some(field.offset as usize)
     }
@@ -92,6 +93,7 @@ impl PointCloud2 {
     pub(super) fn points(&self) -> impl Iterator<Item = &[u8]> {
         let rows = self
             .data
+            // `chunks` panics at a size of zero, which a cloud without points may declare.
             .chunks(self.row_step.max(1) as usize)
             .take(self.height as usize);
         rows.flat_map(|row| {
@@ -128,6 +130,7 @@ impl Message for PointCloud2 {
             header: Header::decode(input)?,
             height: input.u32()?,
             width: input.u32()?,
+            // 13 bytes: three lengths or numbers of 4 bytes, and the type.
             fields: input.sequence(13, PointField::decode)?,
             is_bigendian: input.bool()?,
             point_step: input.u32()?,

@@ -31,6 +31,7 @@ pub struct Imu {
 impl From<ImuSample> for Imu {
     fn from(sample: ImuSample) -> Self {
         let mut orientation_covariance = [0.0; 9];
+        // The sensor measures no orientation.
         orientation_covariance[0] = -1.0;
         Self {
             header: Header::new(sample.stamp, "imu_link"),
@@ -156,6 +157,7 @@ impl Message for JointState {
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
         Ok(Self {
             header: Header::decode(input)?,
+            // An empty string takes at least its length.
             name: input.sequence(4, CdrReader::string)?,
             position: input.sequence(8, CdrReader::f64)?,
             velocity: input.sequence(8, CdrReader::f64)?,

@@ -24,6 +24,7 @@ pub(super) fn control_tokens(model: &LlamaModel) -> Vec<String> {
 /// Inserts spaces into a text until it contains no control token.
 pub(super) fn break_up(mut text: String, control_tokens: &[String]) -> String {
     for token in control_tokens {
+        // Again, since `replace` passes over the second of two overlapping occurrences.
         while text.contains(token.as_str()) {
             let first = token.chars().next().map_or(0, char::len_utf8);
             text = text.replace(

@@ -60,6 +60,7 @@ impl Local {
     /// [`LocalError`] if the file cannot be used.
     pub(crate) fn open(file: &Path, timeout: Duration) -> Result<Self, LocalError> {
         static OPEN: Mutex<BTreeMap<PathBuf, Local>> = Mutex::new(BTreeMap::new());
+        // Two names of one file must not load it twice.
         let path = file.canonicalize().map_err(LocalError::Read)?;
         let name = local_name(file);
         // Locked while a model is loaded: llama.cpp cannot create two contexts at the same time.
@@ -73,6 +74,7 @@ impl Local {
         }
         check_magic(&path)?;
         let local = Self {
+            // Before the name moves into the struct; fields are evaluated in this order.
             requests: start(&path, &name)?,
             name,
             timeout,
@@ -88,6 +90,8 @@ impl Local {
             limit,
             reply,
         };
+        // An error means that the thread has ended, and `recv` below fails if it ends during this
+        // request.
         self.requests.send(queued).ok()?;
         replied.recv().ok()
     }
@@ -139,6 +143,7 @@ fn start(file: &Path, name: &str) -> Result<mpsc::Sender<QueuedRequest>, LocalEr
         .name("local model".into())
         .spawn(move || serve(&file, &name, &ready, &queue))
         .map_err(LocalError::Thread)?;
+    // The outer error: the thread ended without a report. The inner one is its report.
     loaded.recv().map_err(|_| LocalError::Interrupted)??;
     Ok(requests)
 }

@@ -79,6 +79,8 @@ impl CachedPrompt {
             .zip(prompt)
             .take_while(|(a, b)| a == b)
             .count();
+        // Rounded down to whole batches, so that the rest is read in the same batches as in a new
+        // prompt. `try_answer` refuses empty prompts, so the subtraction is safe.
         same.min(prompt.len() - 1) / BATCH_TOKENS * BATCH_TOKENS
     }
 }
@@ -94,8 +96,10 @@ impl<'a> Session<'a> {
             .map_err(|_| LocalError::NoChatTemplate)?;
         let threads =
             std::thread::available_parallelism().map_or(1, |n| (n.get() / 2).clamp(1, 64)) as i32;
+        // A model is trained for conversations of at most `n_ctx_train` tokens.
         let max_tokens = CONTEXT_TOKENS.min(model.n_ctx_train());
         let parameters = LlamaContextParams::default()
+            // Without a unified cache each sequence has an equal part of the context.
             .with_n_ctx(NonZeroU32::new(max_tokens * CACHED_PROMPTS as u32))
             .with_n_seq_max(CACHED_PROMPTS as u32)
             .with_kv_unified(false)
@@ -148,6 +152,7 @@ impl<'a> Session<'a> {
             );
         }
         let room = self.max_tokens.saturating_sub(prompt.len());
+        // Less would cut off nearly any answer.
         if room < BATCH_TOKENS {
             let detail = format!(
                 "it has {} tokens, but the model reads and writes at most {}",
@@ -158,11 +163,13 @@ impl<'a> Session<'a> {
         }
         used.prompt_tokens = prompt.len() as u64;
         if let Err(error) = self.read_prompt(&prompt, limit) {
+            // The cache may differ from what `cache` says after an error.
             self.clear_cache();
             return Err(error);
         }
         let most = MAX_ANSWER_TOKENS.min(request.max_tokens as usize).min(room);
         let mut written = Written::default();
+        // Not yet `?`: tokens of a failed answer count as well.
         let answer = self.write(request, most, limit, prompt.len(), &mut written);
         used.completion_tokens = written.tokens.len() as u64;
         answer?;
@@ -202,6 +209,7 @@ impl<'a> Session<'a> {
             Role::User => "user",
             Role::Assistant => "assistant",
         };
+        // Zero bytes end a string of C, and what stands behind them would be lost.
         let text = break_up(message.text.replace('\0', " "), &self.control_tokens);
         LlamaChatMessage::new(role.into(), text)
             .map_err(|error| self.bad_request(with_causes(&error)))
@@ -239,6 +247,8 @@ impl<'a> Session<'a> {
             let begin = known + i * BATCH_TOKENS;
             let is_last = begin + piece.len() == prompt.len();
             self.decode(piece, begin, is_last)?;
+            // The last batch may be shorter, and the answer follows it in the context. A later
+            // prompt reads both anew.
             if piece.len() == BATCH_TOKENS {
                 self.cache[0].tokens.extend_from_slice(piece);
             }
@@ -255,6 +265,7 @@ impl<'a> Session<'a> {
     ) -> Result<(), ChatError> {
         self.batch.clear();
         for (i, token) in tokens.iter().enumerate() {
+            // Logits are computed for the last token only, which the answer follows.
             let wanted = is_last && i + 1 == tokens.len();
             let added = self.batch.add(
                 *token,
@@ -292,6 +303,7 @@ impl<'a> Session<'a> {
             if vocab.is_eog(token) {
                 return Ok(());
             }
+            // After the test for the end, which may come exactly at the maximum length.
             if written.tokens.len() == most {
                 let detail = format!("it was truncated after {most} tokens, the maximum length");
                 return Err(self.bad_reply(format!("{detail}{}", written.end())));
@@ -305,6 +317,7 @@ impl<'a> Session<'a> {
                     self.bad_reply(format!("it violates its grammar: {cause}"))
                 })?;
             }
+            // Bytes, not text: a token may hold a part of a character.
             vocab.token_to_piece_into(token, &mut written.bytes, false, None);
             written.tokens.push(token);
             self.check_time(limit)?;
@@ -349,11 +362,13 @@ impl<'a> Session<'a> {
             {
                 return Some(best.id());
             }
+            // The most probable token violates the grammar, so all are checked.
             let mut all = self.context.token_data_array_ith(-1);
             all.apply_sampler(grammar);
             return most_probable(all.data.into_iter()).map(|data| data.id());
         }
         let mut all = self.context.token_data_array_ith(-1);
+        // The grammar first: it makes forbidden tokens impossible before one is drawn.
         for sampler in grammar.into_iter().chain(random) {
             all.apply_sampler(sampler);
         }

@@ -43,6 +43,8 @@ fn ends_with_loop<T: PartialEq>(tokens: &[T], length: usize) -> bool {
         return false;
     };
     let end = &tokens[begin..];
+    // Equal to itself shifted by `length`: the end is periodic, which is the same as four equal
+    // pieces.
     end[length..] == end[..end.len() - length]
 }
 

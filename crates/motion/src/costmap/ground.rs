@@ -131,6 +131,8 @@ struct Drawing<'a> {
 
 impl Drawing<'_> {
     fn surfaces(&mut self, map: &OsmMap) {
+        // Later kinds overwrite earlier ones: a path through a park is no lawn, and a pavement
+        // along a carriageway is no road.
         for wanted in [Surface::Green, Surface::Road, Surface::Pavement] {
             for area in map
                 .areas
@@ -152,6 +154,7 @@ impl Drawing<'_> {
     fn pave(&mut self, road: &Road, surface: Surface) {
         let half = width(&road.tags) / 2.0;
         for pair in road.points.windows(2) {
+            // A road whose axis runs beside the grid may still reach into it.
             let Some(stretch) = self.cut(Segment::new(pair[0], pair[1]), half) else {
                 continue;
             };
@@ -186,6 +189,7 @@ impl Drawing<'_> {
         if !kerbs.is_empty() {
             self.crossings(map, MappedObstacle::Solid);
         }
+        // Without water nothing is to be opened, and the walk along all roads is saved.
         let mut is_wet = false;
         for area in map.areas.iter().filter(|area| is_water(&area.tags)) {
             self.fill(&area.polygon, |ground, cell| {
@@ -197,6 +201,7 @@ impl Drawing<'_> {
             self.crossings(map, MappedObstacle::Water);
             self.decks(map);
         }
+        // After the water, which would overwrite them.
         for building in &map.buildings {
             self.fill(&building.polygon, |ground, cell| {
                 ground.obstacles[cell] = MappedObstacle::Solid
@@ -216,6 +221,8 @@ impl Drawing<'_> {
         for row in rows.0..=rows.1 {
             let y = self.grid.origin.y + (row as f64 + 0.5) * self.grid.cell;
             cuts.clear();
+            // Half-open: a corner on the scan line belongs to one of its sides only, so that cuts
+            // come in pairs.
             let crossing = polygon
                 .sides()
                 .filter(|side| (side.start.y > y) != (side.end.y > y));
@@ -229,6 +236,7 @@ impl Drawing<'_> {
                 let first = self.columns_before(pair[0]).ceil().max(0.0) as usize;
                 let end = (self.columns_before(pair[1]).floor() + 1.0)
                     .clamp(0.0, self.grid.width as f64) as usize;
+                // A pair may lie wholly beside the grid; `first` is beyond `end` then.
                 for cell in first..end.max(first) {
                     set(&mut self.ground, row as usize * self.grid.width + cell);
                 }
@@ -255,6 +263,8 @@ impl Drawing<'_> {
     /// Opens obstacles where roads and paths cross them. A kerb is lowered there, whether or not
     /// the map says so, and over water there is a bridge; beside the water there is none.
     fn crossings(&mut self, map: &OsmMap, over: MappedObstacle) {
+        // Found before any is opened: what one road opens would be missing where the next one
+        // crosses.
         let mut places = Vec::new();
         for road in &map.roads {
             for pair in road.points.windows(2) {
@@ -338,6 +348,7 @@ impl Drawing<'_> {
             low.y + grid.height as f64 * grid.cell + around,
         );
         let (dx, dy) = (to.x - from.x, to.y - from.y);
+        // For each border: how fast the segment runs towards it, and how far inside its start is.
         let bounds = [
             (-dx, from.x - low.x + around),
             (dx, high.x - from.x),
@@ -346,9 +357,11 @@ impl Drawing<'_> {
         ];
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         for (toward, room) in bounds {
+            // Parallel to the border, and outside.
             if toward == 0.0 && room < 0.0 {
                 return None;
             }
+            // Infinite or NaN for a parallel segment, which uses it nowhere.
             let at = room / toward;
             match toward {
                 d if d < 0.0 => enter = enter.max(at),
@@ -435,6 +448,7 @@ fn surface_of_area(tags: &Tags) -> Option<Surface> {
     {
         return Some(Surface::Pavement);
     }
+    // Areas for pedestrians were sorted out above: the others with these keys are for vehicles.
     if tags.is("amenity", "parking") || tags.says("area:highway") || tags.says("highway") {
         return Some(Surface::Road);
     }

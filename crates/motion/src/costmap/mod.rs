@@ -272,6 +272,7 @@ impl Costmap {
         let (x, y) = self.grid.column_row(cell);
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
         let mut around = around.filter_map(|(x, y)| self.grid.cell_in(x, y));
+        // Beside a standing obstacle a new point may be of its edge.
         around.all(|c| self.seen.was_free(c) || !self.is_obstacle(c)) && self.seen.was_free(cell)
     }
 
@@ -296,6 +297,7 @@ impl Costmap {
         self.seen.forget();
         let blocked: Vec<bool> = (0..self.grid.len()).map(|c| self.is_obstacle(c)).collect();
         self.clearance = squared_distances(&blocked, self.grid.width, self.grid.height);
+        // Clearances are squared, and in sides of cells.
         let comfort = (self.room.comfort / self.grid.cell).powi(2) as f32;
         let costs = self.clearance.iter().enumerate().map(|(cell, clearance)| {
             // Most cells are far from everything.
@@ -312,6 +314,8 @@ impl Costmap {
     pub fn is_obstacle(&self, cell: usize) -> bool {
         match self.ground.obstacles[cell] {
             MappedObstacle::Water => true,
+            // The map counts until beams have passed through, and again once they hit something
+            // there.
             MappedObstacle::Solid => self.seen.is_hit(cell) || !self.seen.is_free(cell),
             MappedObstacle::No => self.seen.is_hit(cell),
         }
@@ -342,6 +346,8 @@ impl Costmap {
         if clearance < keep {
             return f32::INFINITY;
         }
+        // From 0 at the comfortable distance to 1 at the least one. The square begins without a
+        // kink.
         let near = (comfort - clearance).max(0.0) / (comfort - keep);
         let cost = 1.0 + (DISCOMFORT * near * near / GRAIN).round() * GRAIN;
         self.preferences.of(self.ground.surface[cell]) * cost as f32
@@ -365,6 +371,8 @@ impl Costmap {
         (0..=steps).all(|i| {
             let t = i as f64 / steps as f64;
             let p = MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y));
+            // A point of the line is up to 0.71 sides away from the middle of its cell, for which
+            // alone the path was planned.
             self.nearest_obstacle_within(p, self.room.keep - 0.75 * self.grid.cell)
                 .is_none()
         })

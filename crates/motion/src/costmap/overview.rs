@@ -110,6 +110,7 @@ impl Overview {
                     self.known.insert(square, Known::Hit);
                 }
                 MappedObstacle::Solid if near.seen.is_free(cell) => {
+                    // A hit in another cell of the square is not overwritten.
                     self.known.entry(square).or_insert(Known::Free);
                 }
                 _ => {}
@@ -175,6 +176,8 @@ impl Overview {
     /// Map and memory over some places and the ground around them.
     fn lay(&self, map: &OsmMap, from: MapPoint, to: &[MapPoint]) -> Costmap {
         let (mut low, mut high) = (from, from);
+        // A place without finite coordinates has no path; it must not stretch the grid for the
+        // others.
         for place in to
             .iter()
             .filter(|place| place.x.is_finite() && place.y.is_finite())
@@ -194,6 +197,7 @@ impl Overview {
             let Some(cell) = grid.cell_at(square.middle()) else {
                 continue;
             };
+            // Neither case touches water, over which the LiDAR sees.
             match (known, &mut ground.obstacles[cell]) {
                 (Known::Hit, obstacle) if *obstacle == MappedObstacle::No => {
                     *obstacle = MappedObstacle::Solid

@@ -66,6 +66,7 @@ impl RollingWindow {
 
     /// Copies the layer of the map.
     fn take_ground(&mut self, whole: &Costmap) {
+        // Kinds of ground are left out: by `Preferences::NONE` they all cost the same.
         for cell in 0..self.costmap.grid.len() {
             let from = whole.grid.cell_at(self.costmap.grid.center(cell));
             self.costmap.ground.obstacles[cell] =

@@ -106,6 +106,8 @@ impl Seen {
         moves: impl Fn(MapPoint) -> bool,
     ) {
         self.count();
+        // Before the hits: in a cell that beams of the scan pass and hit, the hit has the last
+        // word.
         self.mark_beams(grid, ring);
         for &ScanPoint { at, height } in &ring.obstacles {
             if let Some(cell) = grid.cell_at(at).filter(|_| !moves(at)) {
@@ -117,9 +119,11 @@ impl Seen {
     /// Counts for an obstacle in a cell, hit at a height in metres.
     fn mark_hit(&mut self, cell: usize, height: f64) {
         let cell = &mut self.cells[cell];
+        // The height of an obstacle that is gone says nothing about the new one.
         let before = if cell.evidence > 0 { cell.top } else { 0 };
         cell.top = before.max((height * 100.0) as u8);
         if cell.hit_in != self.scans {
+            // From zero on, however long the cell was free: a single hit makes an obstacle.
             cell.evidence = (cell.evidence.max(0) + HIT).min(MOST);
             cell.hit_in = self.scans;
         }
@@ -250,6 +254,8 @@ fn steps_within(
     ];
     for (at, step, cells) in sides {
         let at = at / grid.cell;
+        // The beam is between both borders of an axis from the nearer to the further one (slab
+        // method).
         let (near, far) = (-at / step, (cells - at) / step);
         // Parallel to a side both are infinite or NaN; then the other direction decides.
         first = first.max(near.min(far) - 1.0);

@@ -28,6 +28,7 @@ impl Costmap {
                 row: rows.1,
             },
         };
+        // Borders suffice: nothing gets into a blocked area but across its border.
         let mut border = Border::of(self, window);
         let longest = (LONGEST_M / self.grid().cell) as i64;
         let mut walls = Vec::new();
@@ -57,6 +58,7 @@ impl Costmap {
     /// The wall between the middles of two cells.
     fn wall(&self, from: Cell, to: Cell) -> Option<Obstacle> {
         let ends = [self.middle_of(from)?, self.middle_of(to)?];
+        // A wall with both ends at one place would have no direction; one corner makes a disc.
         let corners = if from == to { &ends[..1] } else { &ends[..] };
         Obstacle::new(corners, self.grid().cell / 2.0, Vector2::ZERO).ok()
     }

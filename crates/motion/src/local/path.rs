@@ -26,8 +26,10 @@ pub fn ahead(path: &[MapPoint], from: MapPoint, length: f64) -> Option<PathPoint
         }
     }
     let (mut at, mut left) = (foot, length);
+    // A path of a single point has no segment, and nothing after it.
     for next in &path[(segment + 1).min(path.len())..] {
         let step = at.distance(*next);
+        // Points that are given twice have no direction.
         if step >= left && step > 0.0 {
             let t = left / step;
             let point = MapPoint::new(at.x + t * (next.x - at.x), at.y + t * (next.y - at.y));

@@ -63,6 +63,7 @@ impl Caution<'_> {
                 most = most.min(fastest);
             }
         }
+        // Speed and turn rate shrink alike, so that the robot stays on its arc.
         let share = (most / self.rim_speed(wanted).max(1e-9)).min(1.0);
         Velocity::new(share * wanted.linear, share * wanted.angular)
     }
@@ -78,6 +79,7 @@ impl Caution<'_> {
         let (placed, circle) = (self.footprint.at(pose), self.footprint.circumscribed());
         let near = somebody.contact(&placed, circle, 0.0, ALERT_M)?;
         let velocity = somebody.velocity();
+        // The normal points from the footprint to somebody, and who comes nearer moves against it.
         let towards = approach_margin_mps - near.normal.x * velocity.x - near.normal.y * velocity.y;
         (towards > 0.0).then(|| stands_in_time(near.distance, towards, self.limits.acceleration))
     }
@@ -105,6 +107,7 @@ impl Caution<'_> {
                 time,
             )
         });
+        // Somebody who would pass a standing robot by is no reason to drive on.
         goes_by && times.any(|time| !self.keeps_off(somebody, situation.pose, time))
     }
 
@@ -163,6 +166,7 @@ fn stands_in_time(distance: f64, towards: f64, acceleration: f64) -> f64 {
     let left = distance - towards * COMMAND_S;
     let late = towards / acceleration + COMMAND_S;
     if left > 0.0 {
+        // The positive root of the equation above.
         acceleration * ((late * late + 2.0 * left / acceleration).sqrt() - late)
     } else {
         0.0
@@ -191,6 +195,7 @@ impl Hesitation {
         }
         let commanded = decided.ok().and_then(|decided| decided.velocity());
         let sets_out = commanded.is_some_and(|velocity| caution.rim_speed(velocity) > SETS_OUT_MPS);
+        // A single cycle without a free path starts the wait anew.
         self.free_since = sets_out.then(|| self.free_since.unwrap_or(situation.time));
         let almost_stands = caution.rim_speed(situation.velocity) < ALMOST_STANDS_MPS;
         let settled = self.is_settled(situation.time);

@@ -16,6 +16,7 @@ const MOST_POINTS: usize = 2000;
 /// than few.
 pub(super) fn thinned(points: &[MapPoint]) -> Vec<MapPoint> {
     let mut kept = points.to_vec();
+    // The sort is stable: each cell keeps the point that came first.
     kept.sort_by_key(cell_of);
     kept.dedup_by_key(|point| cell_of(point));
     kept
@@ -28,6 +29,7 @@ fn cell_of(point: &MapPoint) -> [i64; 2] {
 
 /// Sets of points each of which is near another of its set; none if there are too many points.
 pub(super) fn clusters(points: &[MapPoint]) -> Vec<Vec<MapPoint>> {
+    // The search below compares all pairs.
     if points.len() > MOST_POINTS {
         return Vec::new();
     }

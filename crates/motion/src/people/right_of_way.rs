@@ -56,9 +56,13 @@ impl RightOfWay<'_> {
             motion.step(limits, STEP_S);
             time += STEP_S;
             let there = self.footprint.at(motion.pose);
+            // The mean speed against somebody's direction of motion, with both divisors multiplied
+            // out.
             let against = -here.to(&there).dot(velocity)
                 > AGAINST_MPS * time * libm::hypot(velocity.x, velocity.y);
             let then = self.distance_from_path(somebody, &there, time);
+            // Somebody's path moves along with them, so the robot is compared with one that stands,
+            // at the same time.
             let deeper = then < MARGIN_M
                 && then < self.distance_from_path(somebody, &here, time) - ROUNDING_M;
             // A robot in somebody's path has to leave it, to whichever side.

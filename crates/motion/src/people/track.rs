@@ -94,6 +94,7 @@ impl Track {
             velocity: v,
             cross: pv,
         } = self.covariance;
+        // P becomes F P Fᵀ with F = [1, dt; 0, 1].
         self.covariance = Covariance {
             place: p + 2.0 * dt * pv + dt * dt * v,
             velocity: v,
@@ -104,6 +105,7 @@ impl Track {
 
     /// Adds what an acceleration of this standard deviation may have done within `dt` seconds.
     fn spread(&mut self, acceleration: f64, dt: f64) {
+        // An acceleration that is constant over the step: G σ² Gᵀ with G = (dt² / 2, dt).
         let q = acceleration * acceleration * dt * dt;
         let Covariance {
             place: p,
@@ -130,6 +132,8 @@ impl Track {
             cross: pv,
         } = self.covariance;
         let total = p + noise;
+        // Only the place is measured: the gain is the first column of P over the innovation's
+        // variance.
         let (gain, gain_velocity) = (p / total, pv / total);
         self.place = self.place + innovation * gain;
         self.velocity = self.velocity + innovation * gain_velocity;

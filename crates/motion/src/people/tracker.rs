@@ -50,6 +50,7 @@ pub struct Tracker {
 impl Tracker {
     /// Takes in what a scan shows; `time` is the middle of the scan.
     pub fn update(&mut self, time: SimTime, seen: &NewPoints<'_>) {
+        // Tracks cannot be moved back to the time of a late scan.
         if time <= self.now && !self.tracks.is_empty() {
             return;
         }
@@ -166,6 +167,7 @@ impl Tracker {
         let mut i = 0;
         while i < self.tracks.len() {
             let track = &self.tracks[i];
+            // Tracks are in the order in which they began.
             if self.tracks[..i].iter().any(|older| is_same(older, track)) {
                 self.tracks.remove(i);
             } else {

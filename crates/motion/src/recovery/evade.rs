@@ -74,6 +74,7 @@ fn worth(
             motion.command = Velocity::ZERO;
         }
         motion.step(limits, STEP_S);
+        // A robot that stands comes no nearer to what stands.
         let stands = motion.velocity == situation.velocity && motion.velocity == Velocity::ZERO;
         if !stands
             && clearance(footprint, standing(obstacles), motion.pose, 0.0, REACH_M)

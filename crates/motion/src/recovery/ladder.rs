@@ -121,7 +121,10 @@ impl Ladder {
         }
         self.blockage = Some(Blockage { since: time, cause });
         self.attempts += 1;
+        // Nobody nearby explains a missing path or an unknown pose.
         if is_anybody_near && !matches!(cause, Blocked::NoPath | Blocked::NoPose) {
+            // One below the top: neither this step nor a maneuver that is not found gives the goal
+            // up.
             self.attempts = self.attempts.min(ATTEMPTS - 1);
         }
         match self.attempts {

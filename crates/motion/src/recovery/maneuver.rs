@@ -127,6 +127,8 @@ pub fn maneuver(
     };
     search.measure();
     let here = search.exact(start);
+    // Otherwise a start that is nearer would be blocked itself. Inside an obstacle it may not get
+    // deeper, up to rounding.
     search.keep = KEEP_M.min(if here > 0.0 { 0.7 * here } else { here - 1e-4 });
     search.look_back(goal)?;
     let end = search.forward(goal, yaw)?;
@@ -160,6 +162,8 @@ impl Search<'_> {
         let Some(cell) = self.grid.cell_at(pose.point()) else {
             return false;
         };
+        // No place in a cell is further than 0.71 sides from its middle. By the circles most poses
+        // are surely free or surely not; only those between need the exact distance.
         let (clear, off) = (f64::from(self.clearance[cell]), 0.71 * self.grid.cell);
         if clear > self.footprint.circumscribed() + off + self.keep {
             return true;
@@ -171,6 +175,8 @@ impl Search<'_> {
     /// straight lines.
     fn look_back(&mut self, goal: MapPoint) -> Result<(), NoManeuver> {
         let to = self.grid.cell_at(goal).ok_or(NoManeuver::GoalBlocked)?;
+        // Open if the robot may fit anywhere in the cell, at any heading: the estimate of the time
+        // left must not miss a gap.
         let fits = self.footprint.inscribed() - 0.71 * self.grid.cell + self.keep;
         let free = |cell: usize| f64::from(self.clearance[cell]) > fits;
         if !free(to) {
@@ -182,6 +188,7 @@ impl Search<'_> {
         queue.push(0.0, to);
         let second = self.grid.cell / self.limits.forward;
         while let Some((seconds, cell)) = queue.pop() {
+            // An outdated entry: the cell was reached sooner since.
             if seconds > f64::from(self.left[cell]) + 1e-6 {
                 continue;
             }
@@ -196,6 +203,7 @@ impl Search<'_> {
                 (-1, -1),
                 (1, -1),
             ] {
+                // Corners may be cut here. The search forward checks the footprint itself.
                 let Some(next) = self.grid.cell_in(x + dx, y + dy).filter(|&n| free(n)) else {
                     continue;
                 };
@@ -272,7 +280,9 @@ impl Search<'_> {
             return;
         }
         let place = self.places[number];
+        // A whole turn more keeps the sum from falling below zero.
         let heading = (place.heading + HEADINGS).wrapping_add_signed(step.turn) % HEADINGS;
+        // The chord of an arc points along the mean heading.
         let mean = self.heading(place.heading) + step.turn as f64 * TAU / HEADINGS as f64 / 2.0;
         let at = place.at.offset(mean, step.length * STEP_M);
         let Some(next) = self.grid.cell_at(at) else {
@@ -282,6 +292,7 @@ impl Search<'_> {
         if closed[next * HEADINGS + heading] || left.is_infinite() {
             return;
         }
+        // Corners move further than the middle in a turn, so the pose halfway is checked too.
         let half = place.at.offset(mean, step.length * STEP_M / 2.0);
         let between = Pose2::new(half.x, half.y, mean);
         let end = Pose2::new(at.x, at.y, self.heading(heading));
@@ -334,6 +345,8 @@ impl Search<'_> {
         let mut poses: Vec<TimedPose> = Vec::with_capacity(chain.len() + 1);
         for place in chain {
             let before = poses.last().map_or(self.start.yaw, |k| k.pose.yaw);
+            // Yaws of a trajectory run on beyond a half turn, while headings are counted within one
+            // turn.
             let heading = before + wrap_angle(self.heading(place.heading) - before);
             poses.push(TimedPose {
                 pose: Pose2::new(place.at.x, place.at.y, heading),

@@ -77,6 +77,8 @@ pub(super) fn between(foot: &[Vector2], other: &[Vector2]) -> Touch {
     // Whether the nearest corner faces the inside of the best edge, so that the edge's normal is
     // the direction of the shortest distance.
     let mut settled = false;
+    // The largest gap along any edge's outer normal (separating axes). Every edge of a footprint
+    // has a length, see `Footprint::new`.
     for edge in edges(foot) {
         let along = edge.along();
         let length = along.norm();
@@ -109,6 +111,7 @@ pub(super) fn between(foot: &[Vector2], other: &[Vector2]) -> Touch {
             };
         }
     }
+    // Otherwise two corners face each other, and are further apart than any normal shows.
     if best.distance <= 0.0 || settled {
         best
     } else {

@@ -32,6 +32,7 @@ impl Footprint {
             if along.cross(next) <= 0.0 {
                 return Err(ShapeError::NotConvex((i + 1) % corners.len()));
             }
+            // Distance from the edge to the origin, positive on the inner side.
             inscribed = inscribed.min(along.cross(Vector2::ZERO - edge.from) / along.norm());
         }
         if inscribed <= 0.0 {

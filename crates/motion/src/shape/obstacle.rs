@@ -56,6 +56,8 @@ impl Obstacle {
         }
         for i in 0..corners.len() {
             let [a, b, c] = [0, 1, 2].map(|k| corners[(i + k) % corners.len()]);
+            // Corners in one line are allowed, unlike those of a footprint: edges without length
+            // are skipped.
             if corners.len() > 2 && (b - a).cross(c - b) < 0.0 {
                 return Err(ShapeError::NotConvex((i + 1) % corners.len()));
             }
@@ -155,6 +157,7 @@ impl Obstacle {
     ) -> Option<Contact> {
         // The robot is moved instead of the obstacle: it has fewer corners.
         let shift = self.velocity * seconds;
+        // Circles around both first: they settle most obstacles.
         let apart = foot.origin - shift - self.middle;
         let far = self.radius + circumscribed + reach;
         if apart.dot(apart) > far * far {

@@ -69,6 +69,8 @@ pub(super) fn best_of_each_class(
     candidates.swap(0, best);
     let mut kept: Vec<Candidate> = Vec::with_capacity(candidates.len());
     for candidate in candidates {
+        // The first one stays, whatever another of its class is worth: hysteresis has decided
+        // already.
         match kept.iter().position(|k| k.signature == candidate.signature) {
             Some(0) => {}
             Some(i) if candidate.worth() < kept[i].worth() => kept[i] = candidate,
@@ -79,6 +81,7 @@ pub(super) fn best_of_each_class(
     let dearest = DEAREST * kept[0].cost + DEAREST_MORE;
     let mut is_first = true;
     kept.retain(|candidate| {
+        // The first is kept even with a conflict: how soon that is decides what the robot does.
         let is_competitive = candidate.conflict.is_none() && candidate.cost < dearest;
         std::mem::take(&mut is_first) || is_competitive
     });

@@ -71,6 +71,7 @@ impl Sink for Normal {
         for (a, (row, right)) in rows.iter_mut().zip(right).enumerate() {
             let scaled = weight * gradient[a];
             *right += scaled * residual;
+            // Row a of the block ends at its diagonal: the upper half is not stored.
             for (entry, b) in row[WIDTH - 1 - a..].iter_mut().zip(gradient) {
                 *entry += scaled * b;
             }
@@ -115,6 +116,7 @@ impl Normal {
         self.substitute();
         let each = self.step.iter().zip(&self.gradient).enumerate();
         let fall = each
+            // The fall is -2 gᵀδ - δᵀHδ, and (H + λD) δ = -g.
             .map(|(i, (step, g))| step * (damping * SCALE[i % BLOCK] * step - g))
             .sum();
         Some(Step {
@@ -156,6 +158,7 @@ impl Normal {
         let n = self.gradient.len();
         self.step.clear();
         self.step.extend(self.gradient.iter().map(|g| -g));
+        // Forward: L y = -g, by rows of L.
         for i in 0..n {
             let first = i.saturating_sub(WIDTH - 1);
             let row = &self.factor[i];
@@ -165,6 +168,8 @@ impl Normal {
             let product: f64 = known.map(|(a, b)| a * b).sum();
             self.step[i] = (self.step[i] - product) / row[WIDTH - 1];
         }
+        // Backward: Lᵀ δ = y. The columns of Lᵀ are rows of L: each value, once known, is taken out
+        // of those before it.
         for i in (0..n).rev() {
             let row = &self.factor[i];
             let value = self.step[i] / row[WIDTH - 1];

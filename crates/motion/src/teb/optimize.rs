@@ -79,8 +79,10 @@ impl Optimizer {
         self.damping = FIRST_DAMPING;
         for pass in 0..effort.passes {
             band.resize(&problem.settings.resolution);
+            // A band that was optimized in the last cycle has its side already.
             let rising = effort.passes > 2;
             let firmness = if rising {
+                // Eight to the power of `pass`, bounded against overflow.
                 SOFT * (1u32 << (3 * pass).min(20)) as f64
             } else {
                 1.0
@@ -90,6 +92,7 @@ impl Optimizer {
                 band,
                 problem,
                 vias,
+                // The last pass has the real weights, however many passes there are.
                 if last { 1.0 } else { firmness.min(1.0) },
             );
             cost = self.descend(band, problem, effort);
@@ -134,6 +137,7 @@ impl Optimizer {
         let knots = band.poses();
         for via in vias {
             let away = |i: &usize| knots[*i].pose.point().distance(*via);
+            // Both ends are fixed, and can pass no point.
             let nearest = (1..knots.len() - 1).min_by(|a, b| away(a).total_cmp(&away(b)));
             self.frozen
                 .vias
@@ -162,6 +166,8 @@ impl Optimizer {
                 raise *= 2.0;
                 continue;
             };
+            // Nielsen's 2 ρ - 1, ρ being the gain over the predicted one. A gain beyond the
+            // prediction counts as predicted.
             let quality = 2.0 * gain / foreseen.max(gain) - 1.0;
             self.damping = (self.damping * (1.0 - quality * quality * quality).max(1.0 / 3.0))
                 .max(LEAST_DAMPING);
@@ -182,6 +188,8 @@ impl Optimizer {
         self.normal.clear(knots);
         collect(band, problem, &self.frozen, &mut self.normal);
         let end = (knots - 1) * BLOCK;
+        // The start with its time, and the place of the end. The time of the end is free: it is
+        // minimized.
         let held = [0, 1, 2, 3, end, end + 1]
             .into_iter()
             .chain(problem.end_yaw.then_some(end + 2));
@@ -208,8 +216,10 @@ fn take(knots: &mut [TimedPose], step: &[f64]) {
         );
         let (s, c) = libm::sincos(mean);
         let chord = [new.pose.x - old.pose.x, new.pose.y - old.pose.y];
+        // The chord in the frame of its mean heading.
         let (along, aside) = (chord[0] * c + chord[1] * s, chord[1] * c - chord[0] * s);
         let moved = [step[0] - before[0], step[1] - before[1]];
+        // To first order: the step of the chord in that frame, and the turn of the frame itself.
         let along_new = along + moved[0] * c + moved[1] * s + turned * aside;
         let aside_new = aside + moved[1] * c - moved[0] * s - turned * along;
         let (s, c) = libm::sincos(mean + turned);
@@ -218,9 +228,11 @@ fn take(knots: &mut [TimedPose], step: &[f64]) {
             at.y + along_new * s + aside_new * c,
         );
         let seconds = new.time - old.time;
+        // Times have to rise.
         let seconds = (seconds + step[3] - before[3]).max(SHORTEST * seconds);
         before = [step[0], step[1], bounded_turn(step[2]), step[3]];
         knot.pose = Pose2::new(at.x, at.y, new.pose.yaw + before[2]);
+        // A duration for now; the loop below adds them up.
         knot.time = seconds;
         old = new;
     }

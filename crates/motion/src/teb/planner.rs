@@ -181,6 +181,7 @@ impl Teb {
         end: &End,
     ) -> Option<Result<Progress, Blocked>> {
         let distance = situation.pose.point().distance(end.point);
+        // Once it turns, a slip within the tolerance does not make the robot drive again.
         let within = if self.is_turning { 1.0 } else { WELL_WITHIN } * self.settings.tolerance;
         self.is_turning = end.stops && distance <= within;
         if !self.is_turning {
@@ -233,11 +234,14 @@ impl Teb {
             .cloned()
             .partition(Obstacle::is_moving);
         let mut paths = self.explorer.explore(start, end.point, &standing, &how);
+        // Classes count by what stands: the search with moving obstacles below has other clusters.
         self.clusters = self.explorer.take_clusters();
         self.clusters.set_moving(&moving, start);
         for candidate in &mut self.candidates {
             candidate.signature = signature(&self.clusters, &candidate.band);
         }
+        // Once more, with moving obstacles where the driven band would meet them: paths around them
+        // there pass before or behind.
         if !moving.is_empty() {
             let met: Vec<Obstacle> = moving
                 .iter()
@@ -277,6 +281,7 @@ impl Teb {
         for band in drafts {
             let candidate = Candidate::new(band, &self.clusters);
             let mut known = self.candidates.iter().chain(&new);
+            // A tangled band gets a rival of its own class.
             let is_known = known.any(|c| c.signature == candidate.signature && !c.tangled);
             let has_room = new.len() < at_once && self.candidates.len() + new.len() < most;
             if !is_known && has_room {
@@ -335,6 +340,7 @@ impl Teb {
         self.candidates.extend(new);
         for (i, candidate) in self.candidates.iter_mut().enumerate() {
             let is_warm = i < warm;
+            // Only a band that led to the end is worth going back to.
             let before = (is_warm && candidate.conflict.is_none()).then(|| candidate.clone());
             let effort = if is_warm { Effort::WARM } else { Effort::COLD };
             let cost = self
@@ -371,6 +377,7 @@ impl Teb {
             candidate.conflict = self
                 .check(situation.obstacles, SURE_M)
                 .first_conflict(&candidate.band);
+            // First, since no other band leads to the end.
             self.candidates.insert(0, candidate);
         }
     }

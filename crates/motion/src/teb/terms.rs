@@ -96,9 +96,11 @@ impl Stretch {
         let (s, c) = libm::sincos((a.pose.yaw + b.pose.yaw) / 2.0);
         let along = chord[0] * c + chord[1] * s;
         let sideways = chord[1] * c - chord[0] * s;
+        // By x, y, yaw and time of both knots. The mean heading takes half of each yaw.
         let by_sideways = [s, -c, -0.5 * along, 0.0, -s, c, -0.5 * along, 0.0];
         let per = 1.0 / seconds;
         let speed = along * per;
+        // Turning the mean heading changes `along` by `sideways`.
         let half = 0.5 * sideways * per;
         let by_speed = [
             -c * per,
@@ -148,6 +150,7 @@ pub(crate) fn collect(
     sink: &mut impl Sink,
 ) {
     let knots = band.poses();
+    // The first knot is where the robot is, and cannot be moved.
     for (i, knot) in knots.iter().enumerate().skip(1) {
         obstacles(i, knot, problem, frozen, sink);
     }
@@ -216,6 +219,7 @@ fn obstacles(
         }
         let n = near.normal;
         let velocity = obstacle.velocity();
+        // The normal points to the obstacle: motion along it widens the gap.
         let away = n.dot(velocity);
         let gradient = [
             -near.gradient[0],
@@ -250,6 +254,8 @@ fn drive(
         stretch.seconds,
         &[0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0],
     );
+    // dᵢ² over the length is about the length again: the sum does not depend on how finely the band
+    // is divided.
     let per_length = weights.length / frozen.lengths[i].max(SHORT_M);
     sink.add(i, per_length, stretch.chord[0], &[-1.0, 0.0, 0.0, 0.0, 1.0]);
     sink.add(
@@ -324,6 +330,7 @@ fn accelerate(
             by[k] -= sign * rate * u.by_speed[k];
             by[k + BLOCK] += sign * rate * v.by_speed[k];
         }
+        // Both durations together depend on the first and the last time only.
         by[BLOCK - 1] += sign * acceleration / both;
         by[TRIPLE - 1] -= sign * acceleration / both;
         sink.add(i, problem.settings.weights.acceleration * step, over, &by);
@@ -417,6 +424,7 @@ fn change(
     sink: &mut impl Sink,
 ) {
     let rim = stretch.rim(end.side, problem.limits.half_track);
+    // The mean speed of a stretch is that at its middle, half a duration from its ends.
     let rate = 2.0 * end.direction / stretch.seconds;
     let acceleration = rate * (rim.speed - end.speed);
     let over = acceleration.abs() - problem.limits.acceleration;

@@ -31,9 +31,11 @@ impl Trajectory {
             time: 0.0,
         }];
         for (i, pair) in points.windows(2).enumerate() {
+            // The heading at a point is that from the point before it to the one after it.
             let after = points.get(i + 2).copied().unwrap_or(pair[1]);
             let chord = wrap_angle(pair[0].bearing_to(pair[1]) - poses[poses.len() - 1].pose.yaw);
             if i == 0 {
+                // The long way round, to the preferred side.
                 let around = chord.abs() > U_TURN_RAD && chord * side < 0.0;
                 let turn = if around {
                     chord - std::f64::consts::TAU.copysign(chord)

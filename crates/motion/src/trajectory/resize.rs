@@ -79,6 +79,8 @@ impl Trajectory {
                 if left <= (1.0 + HYSTERESIS) * step + ROUNDING_S {
                     break;
                 }
+                // Equal parts of what is left, at least two, as near as possible to the wanted
+                // step.
                 let time = at.time + left / (left / step + ROUNDING_S).round().max(2.0);
                 let share = (time - a.time) / (b.time - a.time);
                 poses.push(TimedPose {

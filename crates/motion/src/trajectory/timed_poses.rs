@@ -112,6 +112,7 @@ impl Trajectory {
                 self.velocity(i - 1),
                 self.poses[i].time - self.poses[i - 1].time,
             );
+            // A robot may be unable to drive backward: its band is very slow there, not infinitely.
             let backward = if v.linear < 0.0 {
                 -v.linear / limits.backward.max(1e-3)
             } else {
@@ -163,7 +164,9 @@ impl Trajectory {
             .partition_point(|k| k.time <= elapsed)
             .clamp(1, last);
         self.poses.drain(..passed - 1);
+        // Yaws of the band are not wrapped: the pose's is taken in the nearest turn.
         let yaw = self.poses[0].pose.yaw + wrap_angle(pose.yaw - self.poses[0].pose.yaw);
+        // At least 10 ms of the first stretch are left, so that times rise.
         let start = elapsed.min(self.poses[1].time - 1e-2);
         self.poses[0] = TimedPose {
             pose: Pose2 { yaw, ..pose },

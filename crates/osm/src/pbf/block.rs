@@ -75,6 +75,7 @@ impl<'a> Block<'a> {
     fn new(bytes: &'a [u8]) -> Result<Self, Problem> {
         let mut block = Self {
             strings: Vec::new(),
+            // The defaults of the format.
             granularity: 100,
             lat_offset: 0,
             lon_offset: 0,
@@ -109,6 +110,7 @@ impl<'a> Block<'a> {
 
     /// Divided, not multiplied, so that the same position read from XML has the same bits.
     fn degrees(&self, units: i64, offset: i64) -> Result<f64, Problem> {
+        // Checked, since a hostile file may give any three numbers.
         let nano = units
             .checked_mul(self.granularity)
             .and_then(|n| n.checked_add(offset));
@@ -133,6 +135,7 @@ impl<V: Visitor> Reader<'_, V> {
         for field in Fields(bytes) {
             let Field { number, value } = field?;
             match number {
+                // First, so that groups of other kinds are not even parsed.
                 _ if !self.visitor.wants(kind_of_group(number)) => {}
                 1 => self.node(value.bytes()?)?,
                 2 => self.dense_nodes(value.bytes()?)?,
@@ -183,6 +186,7 @@ impl<V: Visitor> Reader<'_, V> {
                 return Err("nodes without positions");
             };
             let (id, position) = (id?, self.block.position(lat?, lon?)?);
+            // Also for deleted nodes, since all rows advance together.
             self.dense_tags(&mut tags)?;
             if visible.next().transpose()? == Some(0) {
                 self.visitor.deleted();
@@ -201,6 +205,7 @@ impl<V: Visitor> Reader<'_, V> {
     /// has tags.
     fn dense_tags(&mut self, row: &mut Numbers) -> Result<(), Problem> {
         self.tags.clear();
+        // String 0 is no key: the format reserves it to end a node's tags.
         while let Some(key) = row.next().transpose()?.filter(|key| *key != 0) {
             let value = row.next().ok_or("a key without a value")??;
             let tag = TagRef {
@@ -224,6 +229,8 @@ impl<V: Visitor> Reader<'_, V> {
             self.nodes.push(node?);
         }
         if self.read_tags(&common)? {
+            // Numbers of ways and relations are plain `int64`. Only those of nodes are zigzag
+            // coded.
             let id = common.id as i64;
             self.visitor.way(WayRef {
                 id,
@@ -248,6 +255,7 @@ impl<V: Visitor> Reader<'_, V> {
         self.members.clear();
         for id in ids.sums() {
             let (Some(role), Some(kind)) = (roles.next(), kinds.next()) else {
+                // Three rows that must have one entry for each member.
                 return Err("a member without a role or a type");
             };
             let element = ElementId {
@@ -293,6 +301,7 @@ impl<'b, V> Reader<'b, V> {
             .ok()
             .and_then(|i| self.block.strings.get(i));
         let string = string.ok_or("a string that is not in the block's table")?;
+        // Each reference counts, because a visitor may copy the text each time.
         self.text = self
             .text
             .checked_sub(string.len())
@@ -326,6 +335,7 @@ fn dense_visible(info: &[u8]) -> Result<Numbers<'_>, Problem> {
 /// The kind of the elements in a field of a group.
 fn kind_of_group(field: u64) -> ElementKind {
     match field {
+        // 1 are single nodes, 2 are dense ones.
         1 | 2 => ElementKind::Node,
         3 => ElementKind::Way,
         _ => ElementKind::Relation,

@@ -76,6 +76,7 @@ fn blobs(bytes: &[u8]) -> Result<Vec<Blob<'_>>, OsmError> {
             .split_first_chunk()
             .ok_or_else(|| cut_off(offset, "a blob header"))?;
         let length = u32::from_be_bytes(*length);
+        // Both sizes are checked before anything is read by them.
         if length > LARGEST_HEADER_BYTES {
             return Err(at(
                 offset,
@@ -136,6 +137,7 @@ impl Blob<'_> {
         match self.kind {
             b"OSMHeader" => check_features(self.unpack(buffer)?),
             b"OSMData" => Ok(block::read(self.unpack(buffer)?, visitor)?),
+            // Unknown kinds of blobs are skipped, as the format demands.
             _ => Ok(()),
         }
     }
@@ -148,7 +150,10 @@ impl Blob<'_> {
             let Field { number, value } = field?;
             match number {
                 1 => return Ok(value.bytes()?),
+                // Field 2 states the size of the content. It is not needed, and a hostile file may
+                // lie.
                 3 => return inflate(value.bytes()?, buffer),
+                // lzma, bzip2, lz4 and zstd.
                 4..=7 => {
                     return Err(
                         "this blob is not compressed with zlib; no other compression is supported"
@@ -163,6 +168,7 @@ impl Blob<'_> {
 }
 
 fn inflate<'b>(packed: &[u8], unpacked: &'b mut Vec<u8>) -> Result<&'b [u8], Problem> {
+    // Decompression stops one byte above the limit, which is enough to see that it is exceeded.
     let largest =
         (LARGEST_RATIO * packed.len() as u64).clamp(ALWAYS_ALLOWED_BYTES, LARGEST_BLOB_BYTES);
     unpacked.clear();
@@ -182,6 +188,7 @@ fn inflate<'b>(packed: &[u8], unpacked: &'b mut Vec<u8>) -> Result<&'b [u8], Pro
 
 fn check_features(header: &[u8]) -> Result<(), Problem> {
     for field in Fields(header) {
+        // Field 4 lists the features that a reader must know. Optional ones are in another field.
         let Field { number: 4, value } = field? else {
             continue;
         };

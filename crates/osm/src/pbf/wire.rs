@@ -54,6 +54,7 @@ impl<'a> Fields<'a> {
         if key >> 3 == 0 {
             return Err("a field with the invalid number 0");
         }
+        // The lowest three bits are the kind of the value, the others the field's number.
         let value = match key & 7 {
             0 => Value::Number(take_number(&mut self.0)?),
             1 => take(&mut self.0, 8).map(|_| Value::Fixed)?,
@@ -79,6 +80,7 @@ impl<'a> Iterator for Fields<'a> {
             return None;
         }
         let field = self.field();
+        // The position after an error is unknown, so what follows would be nonsense.
         if field.is_err() {
             self.0 = &[];
         }
@@ -128,6 +130,8 @@ pub(super) fn signed(number: u64) -> i64 {
 #[inline]
 fn take_number(bytes: &mut &[u8]) -> Result<u64, Problem> {
     let mut number = 0;
+    // Ten groups of seven bits hold 64 bits. More bytes, or a message that ends first, are an
+    // error.
     for (i, byte) in bytes.iter().take(10).enumerate() {
         number |= u64::from(byte & 127) << (7 * i);
         if *byte < 128 {

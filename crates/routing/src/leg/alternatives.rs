@@ -63,6 +63,8 @@ impl Leg {
             let Memory {
                 workspace, path, ..
             } = memory;
+            // The cheapest tests come first: the last one runs searches. A path through a place
+            // joins two lightest paths, which may overlap: then a state appears twice.
             if leg.is_different(metric, &legs)
                 && is_simple(states)
                 && is_locally_optimal(graph, states, legs[0].weight, workspace, path)
@@ -78,6 +80,8 @@ impl Leg {
     fn is_different(&self, metric: &Metric, known: &[Self]) -> bool {
         let lightest = f64::from(known[0].weight);
         known.iter().all(|known| {
+            // `edge_weight` counts the first and the last edge whole, and leaves out turns. It may
+            // be more or less than the leg's own weight.
             let most = MOST_SHARED * known.edge_weight(metric).min(lightest);
             self.shared_weight(metric, known) <= most
         })
@@ -121,13 +125,18 @@ fn is_locally_optimal(
 ) -> bool {
     let stretch = best / 4;
     let along = weights_along(graph, states);
+    // Windows of two stretches that begin one stretch apart: any part of the path that weighs up to
+    // one stretch lies within one of them, up to the length of one arc.
     let mut first = 0;
     while first + 1 < states.len() {
         let reach = along[first] + 2 * stretch;
+        // At least one arc, even if it alone weighs more than the window. `along` ascends, so that
+        // both look-ups are binary searches.
         let end = along
             .partition_point(|a| *a <= reach)
             .clamp(first + 2, states.len())
             - 1;
+        // Both ends are states of the path itself, so the weights between them can be compared.
         let [source, target] = [first, end].map(|i| {
             [End {
                 state: states[i],
@@ -160,6 +169,7 @@ fn weights_along(graph: Searched<'_>, states: &[u32]) -> Vec<u32> {
 
 fn lightest_arc(graph: Searched<'_>, from: u32, to: u32) -> u32 {
     let out = &graph.overlay.out;
+    // Of parallel arcs the search has taken the lightest.
     let slots = out.of(from).filter(|slot| out.head[*slot] == to);
     slots
         .map(|slot| graph.weights.out[slot])

@@ -51,6 +51,7 @@ impl Memory {
         for side in open_sides(metric, to) {
             self.hold_target(roads, metric, side);
         }
+        // Weights from `FAR` on are places behind an impassable vertex. Searches expect lower ones.
         self.sources.retain(|hold| hold.end.weight < FAR);
         self.targets.retain(|hold| hold.end.weight < FAR);
         self.source_ends.clear();
@@ -70,6 +71,8 @@ impl Memory {
         let whole = centimetres(&roads.network, directed);
         let length = part(whole, position.share_before(directed));
         let Some(turns) = &metric.turns else {
+            // The search ends where the edge begins. The part up to the place is in the end's
+            // weight.
             let [state, _] = roads.network.ends(directed);
             let weight = metric.costs().edge_weight(&roads.network, directed, weight);
             let end = End { state, weight };
@@ -87,10 +90,14 @@ impl Memory {
         let slots = turns
             .states_of(directed)
             .flat_map(|state| incoming.of(state));
+        // The states on the edge itself would be settled only at its end, beyond the place.
         for slot in slots.filter(|slot| graph.weights.into[*slot] < FAR) {
             let from = incoming.head[slot];
             let end = End {
                 state: from,
+                // The arc's weight contains the turn and the whole edge. The edge is replaced by
+                // its part before the place. No underflow: a weight below `FAR` was not cut off,
+                // and contains the edge.
                 weight: graph.weights.into[slot] - cost.weight() + weight,
             };
             let passed = metric.passing(roads, turns.edge_of[from as usize], directed);
@@ -142,6 +149,8 @@ fn source(roads: &Roads, metric: &Metric, side: Side) -> Hold {
     match &metric.turns {
         Some(turns) => {
             let end = End {
+                // The edge alone, without a prefix of a restriction: no road has been travelled
+                // before.
                 state: turns.state_of[directed as usize],
                 weight,
             };
@@ -154,6 +163,8 @@ fn source(roads: &Roads, metric: &Metric, side: Side) -> Hold {
         }
         None => {
             let [_, state] = roads.network.ends(directed);
+            // Arcs carry the vertex at their end, and so does this part of an edge. `hold` drops
+            // the result if the vertex cannot be passed.
             let passed = metric.vertices[state as usize];
             let end = End {
                 state,

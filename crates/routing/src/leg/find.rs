@@ -17,6 +17,8 @@ impl Leg {
         to: &[Position],
         memory: &mut Memory,
     ) -> Option<Self> {
+        // A search leaves the first edge at its end and enters the last one at its begin. It cannot
+        // find a leg within one edge, which is compared with what it finds.
         let straight = along_one_edge(metric, from, to);
         memory.hold(roads, metric, from, to);
         let Memory {
@@ -141,15 +143,18 @@ pub(super) fn unpacked(
     memory: &Memory,
 ) -> Leg {
     let [first, last] = [states[0], states[states.len() - 1]];
+    // Several positions may hold the same state. The search used the lightest.
     let source = lightest_at(&memory.sources, first);
     let target = lightest_at(&memory.targets, last);
     let mut edges = match &metric.turns {
+        // A state is a directed edge, the first of which is the source's own.
         Some(turns) => states
             .iter()
             .map(|state| turns.edge_of[*state as usize])
             .collect(),
         None => edges_between(roads, metric, source, states),
     };
+    // The path ends at the begin of the target's edge, which is still to be travelled.
     edges.extend(target.map(|hold| hold.directed));
     // A search begins and ends with what was held.
     let from = source.unwrap_or(&memory.sources[0]).position;
@@ -179,6 +184,7 @@ fn edges_between(
     let graph = metric.searched(roads);
     let (out, weights) = (&graph.overlay.out, &graph.weights.out);
     let arcs = vertices.windows(2).filter_map(|pair| {
+        // Parallel edges join the same two vertices. The search used the lightest.
         let slots = out.of(pair[0]).filter(|slot| out.head[*slot] == pair[1]);
         slots
             .min_by_key(|slot| weights[*slot])

@@ -60,6 +60,7 @@ impl Leg {
             } else {
                 between.rev().for_each(|point| line.push(point));
             }
+            // The goal lies within the last edge, behind all of its points that are passed.
             if i + 1 == self.edges.len() {
                 line.push(self.to.place);
             }
@@ -82,6 +83,8 @@ impl Leg {
         } else {
             [ends, begins]
         };
+        // Segment `i` leads from point `i` to point `i + 1`: the first point passed is behind the
+        // place, the last one before it. Within one segment the range is empty.
         let first = if begins_within {
             a.segment as usize + 1
         } else {

@@ -24,6 +24,7 @@ impl Leg {
     ) -> Vec<Option<Measures>> {
         let mut sources = Vec::with_capacity(from.len());
         for place in from {
+            // One end at a time: the table joins all sources with all targets itself.
             memory.hold(roads, metric, place, &[]);
             sources.push(valued(&memory.sources));
         }
@@ -41,6 +42,7 @@ impl Leg {
         let cells = found.into_iter().zip(pairs);
         cells
             .map(|(found, (a, b))| {
+                // As in `Leg::find`: the search does not see legs within one edge.
                 let around = measures(found, weights_suffice);
                 let straight = along_one_edge(metric, a, b);
                 match (straight, around) {

@@ -55,7 +55,10 @@ impl Leg {
     pub fn measures(&self, roads: &Roads, metric: &Metric, index: usize) -> Measures {
         let directed = self.edges[index];
         let cost = metric.edges[directed as usize];
+        // A vertex and its turn count for the edge before them, the entry to private ground for the
+        // edge that is entered.
         let passed = match self.edges.get(index + 1) {
+            // The goal is before the vertex at the edge's end, which is not passed.
             None => Default::default(),
             Some(next) => metric.passing(roads, directed, *next),
         };
@@ -87,6 +90,7 @@ impl Leg {
         };
         let is_last = index + 1 == self.edges.len();
         if is_last {
+            // No underflow: a leg within one edge ends at or behind the place where it begins.
             cost_before(whole, &self.to, directed) - first
         } else {
             whole - first

@@ -24,8 +24,10 @@ impl Network {
 }
 
 fn network(mut ways: Ways, nodes: Nodes) -> Network {
+    // Before edges are made, because it gives ways another class.
     keep_timetables(&mut ways, &nodes);
     let mut uses = uses(&ways, &nodes);
+    // Also before: ends of lines across squares become vertices, at which ways are divided.
     let crossings = squares::crossings(&ways, &nodes, &mut uses);
     let mut builder = Builder::new(&nodes, &uses);
     for way in &ways.ways {
@@ -88,14 +90,18 @@ impl<'a> Builder<'a> {
         let before = self.rows.edges.len();
         for id in ways.nodes(way) {
             let Some(index) = self.nodes.known(*id) else {
+                // A node that the map lacks ends the piece: joining across the gap would invent a
+                // road.
                 self.piece.clear();
                 continue;
             };
+            // A node named twice in a row would make a segment without length.
             if self.piece.last() == Some(&index) {
                 continue;
             }
             self.piece.push(index);
             if self.vertex[index] != NO_VERTEX {
+                // The piece up to here is an edge, and the vertex begins the next one.
                 self.edge(way);
                 self.piece.push(index);
             }
@@ -111,6 +117,7 @@ impl<'a> Builder<'a> {
         let Square {
             id, class, name, ..
         } = *square;
+        // The fields about nodes and timetables are not read by `edge`.
         let way = Way {
             id,
             first: 0,
@@ -158,6 +165,7 @@ fn keep_timetables(ways: &mut Ways, nodes: &Nodes) {
         let nodes_of_way = ways.nodes(&way).iter();
         let places = nodes_of_way.filter_map(|id| nodes.places[nodes.index(*id)?]);
         let metres = f64::from(millimetres(places)) / 1000.0;
+        // Within the range that `timetable_speed` of a profile accepts.
         let speed = format!("{:.2}", (metres / seconds * 3.6).clamp(0.1, 100.0));
         ways.ways[i].class = ways.classes.with(way.class, TagRef::new(TIMETABLE, &speed));
     }
@@ -167,11 +175,14 @@ fn keep_timetables(ways: &mut Ways, nodes: &Nodes) {
 /// known nodes begins or ends.
 fn uses(ways: &Ways, nodes: &Nodes) -> Vec<u8> {
     let mut uses = vec![0_u8; nodes.ids.len()];
+    // Saturating, because counts are compared with 4 at most.
     let mut count = |index: usize, by: u8| uses[index] = uses[index].saturating_add(by);
     for way in &ways.ways {
         let mut last: Option<usize> = None;
         for id in ways.nodes(way) {
             let index = nodes.known(*id);
+            // A run begins with 2 and its last node gets one more, so both ends reach 2 and become
+            // vertices.
             match (last, index) {
                 (Some(a), Some(b)) if a == b => continue,
                 (None, Some(b)) => count(b, 2),

@@ -30,6 +30,7 @@ impl<'a, T: Copy> Chain<'a, T> {
     pub(crate) fn at(&self, i: usize) -> T {
         match i.checked_sub(1) {
             None => self.first,
+            // Index `i - 1` is past the end of `between` exactly for the last item.
             Some(i) => self.between.get(i).copied().unwrap_or(self.last),
         }
     }

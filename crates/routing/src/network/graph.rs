@@ -105,6 +105,7 @@ pub(crate) struct Rows {
 impl Rows {
     /// The network of these rows, without tags and names.
     pub(crate) fn into_network(mut self) -> Network {
+        // A sentinel edge, so that the points of edge `i` end where those of `i + 1` begin.
         let first_point = self.points.len() as u32;
         self.edges.push(Edge {
             first_point,

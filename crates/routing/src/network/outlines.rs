@@ -36,10 +36,12 @@ pub(super) fn read_outlines(
             continue;
         };
         let size: usize = lines.iter().map(|line| line.len()).sum();
+        // Lines share their end nodes: lines of two nodes each have twice as many as their ring.
         if size > room.min(2 * MOST_CORNERS) {
             continue;
         }
         room -= size;
+        // Roles of members are not needed: the largest ring is taken for the outline later.
         square.rings = joined(lines).unwrap_or_default();
     }
     Ok(())
@@ -68,6 +70,7 @@ impl Visitor for Outlines {
     }
 
     fn way(&mut self, way: WayRef<'_>) {
+        // A closed line repeats its first node.
         let fits = (2..=MOST_CORNERS + 1).contains(&way.nodes.len());
         if fits && self.wanted.contains(&way.id) {
             self.lines.insert(way.id, way.nodes.to_vec());
@@ -85,6 +88,8 @@ fn joined(mut lines: Vec<&[i64]>) -> Option<Vec<Vec<i64>>> {
             if first == last {
                 break;
             }
+            // Ends after at most as many rounds as there are lines: each round takes one, and a
+            // ring that finds none is given up.
             let touches = |line: &&[i64]| line.first() == Some(&last) || line.last() == Some(&last);
             let line = lines.swap_remove(lines.iter().position(touches)?);
             if line.first() == Some(&last) {

@@ -54,6 +54,7 @@ impl Ways {
     fn take_square(&mut self, relation: RelationRef<'_>) {
         let ways = relation.members.iter().filter(|member| is_way(member));
         let mut outlines: Vec<i64> = ways.map(|way| way.element.id).collect();
+        // A member that is listed twice would leave an end over when rings are joined.
         outlines.sort_unstable();
         outlines.dedup();
         self.squares.push(Square {
@@ -85,6 +86,8 @@ impl Ways {
         };
         let tags = self.restriction_sets.number(relation.tags, None);
         let ways = via_ways.len() as u32;
+        // Readers of restrictions take their ways in between off one column in order. Each pair
+        // therefore has its own copy.
         for &from in &from {
             for &to in &to {
                 self.via_ways.extend(&via_ways);
@@ -120,6 +123,8 @@ impl Visitor for Ways {
         }
         let is_conditional = |tag: &TagRef<'_>| tag.key.ends_with(":conditional");
         self.conditional += usize::from(way.tags.0.iter().any(is_conditional));
+        // The outline of a square is a way of its own, with a class without the tag for crossings:
+        // a profile may walk along it and not across.
         let class = self.classes.number(way.tags, None);
         let name = self.names.number(way.tags);
         if is_area(way) && is_for_pedestrians(way.tags) {
@@ -127,6 +132,7 @@ impl Visitor for Ways {
                 id: way.id,
                 is_relation: false,
                 outlines: vec![way.id],
+                // The way is closed, so the first node is also the last.
                 rings: vec![way.nodes[1..].to_vec()],
                 class: self.classes.number(way.tags, Some(CROSSED)),
                 name,
@@ -167,6 +173,7 @@ fn ways_in_role<'a>(
 
 /// All of one to `most` ways; `None` if there are none, or more.
 fn at_most(ways: impl Iterator<Item = i64>, most: usize) -> Option<Vec<i64>> {
+    // One more than allowed is enough to know that there are too many.
     let ways: Vec<i64> = ways.take(most + 1).collect();
     (1..=most).contains(&ways.len()).then_some(ways)
 }
@@ -227,6 +234,7 @@ fn is_way_of_network(tags: TagsRef<'_>) -> bool {
         if is_known {
             return true;
         }
+        // Other places count only if their tags say who may go there, in any order of tags.
         is_place |= PLACES.contains(key);
         has_access |= ACCESS.contains(&key.split(':').next().unwrap_or_default());
     }
@@ -265,6 +273,8 @@ impl Visitor for Reader {
     }
 
     fn node(&mut self, node: NodeRef<'_>) {
+        // `next` only advances, so a file in order is read in linear time. A node out of order is
+        // found by the binary search below.
         while self
             .nodes
             .ids

@@ -41,6 +41,8 @@ impl Lines {
         let mut before = vec![NONE; self.of.len()];
         let mut open: Vec<usize> = (0..self.of.len()).collect();
         length[from] = 0.0;
+        // Each point is taken once, nearest first. Points that cannot be reached come last, and
+        // their infinite length improves none.
         while let Some(nearest) = position_of_nearest(&open, &length) {
             let point = open.swap_remove(nearest);
             for line in &self.of[point] {
@@ -90,6 +92,8 @@ pub(super) fn thinned(
 ) -> Vec<[usize; 2]> {
     let mut sorted: Vec<(f64, [usize; 2])> =
         lines.iter().map(|ends| (length(*ends), *ends)).collect();
+    // The greedy spanner: from the shortest line on, one is kept only if those kept before are too
+    // long a detour. Equal lengths are ordered by ends, so that the result is unique.
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut graph = Lines::new(points);
     let mut kept = Vec::new();

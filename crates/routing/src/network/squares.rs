@@ -40,6 +40,7 @@ pub(super) fn crossings(ways: &Ways, nodes: &Nodes, uses: &mut [u8]) -> Crossing
         };
         let is_large = shape.corners.len() > MOST_CORNERS || shape.entries.len() > MOST_ENTRIES;
         if !is_large && shape.entries.len() > 1 {
+            // Each pair of corners is tested against each side.
             work += (shape.corners.len() as u64).pow(3);
         }
         if is_large || work > MOST_WORK {
@@ -49,6 +50,7 @@ pub(super) fn crossings(ways: &Ways, nodes: &Nodes, uses: &mut [u8]) -> Crossing
         for line in shape.lines() {
             let ends = line.map(|corner| shape.corners[corner].node);
             for end in ends {
+                // Two uses make a node a vertex.
                 uses[end] = uses[end].max(2);
             }
             crossings.lines.push(Crossing {
@@ -89,6 +91,7 @@ impl Shape {
         mark_reflex(&mut corners, square.rings.iter().map(Vec::len));
         let is_entry = |corner: &usize| {
             let node = corners[*corner].node;
+            // More uses than the outline's own: another way meets the square here.
             uses[node] > own_uses(ways, square, nodes.ids[node])
         };
         let entries = (0..corners.len()).filter(is_entry).collect();
@@ -108,6 +111,8 @@ impl Shape {
         let kept = self.lines_between_entries(&points);
         let length = |ends: [usize; 2]| self.length(ends.map(|end| points[end]));
         let kept = thinned(points.len(), &kept, length);
+        // Thinning sees lines along the outline too, so that they can stand for others. They are
+        // left out afterwards if the outline is a way anyway.
         let lines = kept.into_iter().map(|ends| ends.map(|end| points[end]));
         lines
             .filter(|ends| !(self.outlined && self.are_neighbours(*ends)))
@@ -151,6 +156,8 @@ impl Shape {
                 let ends = [points[i], points[j]];
                 let [a, b] = ends;
                 let apart = self.corners[a].place != self.corners[b].place;
+                // Neighbours see each other along their side. `sees` cannot tell: the middle of a
+                // side is neither inside nor outside.
                 if apart && (self.are_neighbours(ends) || sees(&self.corners, a, b)) {
                     lines.add(i, j, self.length(ends));
                 }

@@ -182,6 +182,7 @@ pub(super) struct Classes {
 impl Classes {
     pub(super) fn new() -> Self {
         let mut sets = Collected::default();
+        // The empty set becomes number 0.
         sets.number("");
         Self {
             sets,
@@ -198,6 +199,8 @@ impl Classes {
             .filter(|tag| !is_information(tag.key));
         let mut kept: Vec<TagRef<'_>> = relevant.chain(more).collect();
         kept.retain(|tag| !tag.key.contains(SEPARATORS) && !tag.value.contains(SEPARATORS));
+        // Sets that differ in the order of tags alone are one set. The sort is stable: of a key
+        // that appears twice, the later value stays behind, and counts in `Tags`.
         kept.sort_by_key(|tag| tag.key);
         self.text.clear();
         for tag in &kept {
@@ -266,6 +269,7 @@ pub(super) struct Names {
 impl Names {
     pub(super) fn new() -> Self {
         let mut names = Collected::default();
+        // No name and no reference, which `number` encodes like this, become number 0.
         names.number(&SEPARATORS[0].to_string());
         Self {
             names,

@@ -24,6 +24,7 @@ pub(super) fn sees(corners: &[Corner], a: usize, b: usize) -> bool {
         let (c, d) = (corner.place, corners[corner.behind].place);
         let [s, t] = [side(p, q, c), side(p, q, d)];
         let [u, v] = [side(c, d, p), side(c, d, q)];
+        // A proper crossing: the ends of each line are on different sides of the other.
         if s * t < 0 && u * v < 0 {
             return false;
         }
@@ -33,6 +34,8 @@ pub(super) fn sees(corners: &[Corner], a: usize, b: usize) -> bool {
             return false;
         }
     }
+    // No side crosses the line, so all of it is on one side of the outline: any of its points can
+    // decide, for example the middle.
     contains_middle(corners, p, q)
 }
 
@@ -46,6 +49,8 @@ fn contains_middle(corners: &[Corner], p: Place, q: Place) -> bool {
     for corner in corners {
         let [a, b] = [corner.place, corners[corner.behind].place]
             .map(|place| [2 * i128::from(place.lon), 2 * i128::from(place.lat)]);
+        // Half-open, so that a ray through a corner meets exactly one of its two sides if the
+        // outline crosses the ray there, and none or both if it only touches.
         if (a[1] > y) != (b[1] > y) {
             // To the left of the side, without division.
             let cross = (b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1]);
@@ -73,6 +78,7 @@ pub(super) fn mark_reflex(corners: &mut [Corner], rings: impl Iterator<Item = us
         .map(|(_, area)| area.abs())
         .fold(0.0, f64::max);
     for (ring, area) in measured {
+        // The inside is to the left of a counter-clockwise outline, and of a clockwise hole.
         let left_is_inside = (area > 0.0) == (area.abs() == largest);
         for i in ring {
             let Corner {
@@ -106,6 +112,8 @@ fn twice_the_area(corners: &[Corner], ring: Range<usize>) -> f64 {
 /// On which side of the line from `a` to `b` a place is: 1 left, -1 right, 0 on it.
 #[inline]
 fn side(a: Place, b: Place, place: Place) -> i64 {
+    // A product of two differences may reach 6.5e18, and the difference of two products twice that:
+    // too much for `i64`.
     let [ax, ay, bx, by, x, y] = [a.lon, a.lat, b.lon, b.lat, place.lon, place.lat].map(i128::from);
     ((bx - ax) * (y - ay) - (x - ax) * (by - ay)).signum() as i64
 }

@@ -19,6 +19,8 @@ impl Json {
     }
 
     fn begin(&mut self) {
+        // Every value begins here. A comma is due unless the value is the first one, or follows a
+        // key.
         if std::mem::replace(&mut self.comma, true) {
             self.text.push(b',');
         }
@@ -57,6 +59,8 @@ impl Json {
         self.text.push(b'"');
         for byte in text.bytes() {
             match byte {
+                // JSON demands escapes for these and for control characters only. Other UTF-8 stays
+                // as it is.
                 b'"' | b'\\' => self.text.extend([b'\\', byte]),
                 0..0x20 => self.text.extend(format!("\\u{byte:04x}").bytes()),
                 _ => self.text.push(byte),
@@ -106,6 +110,7 @@ impl Json {
                 self.text.push(b',');
             }
             let units = i64::from(units);
+            // From 1e-7 to 1e-6 degrees, half away from zero, as OSRM rounds coordinates.
             self.fixed((units + 5 * units.signum()) / 10, 6);
         }
         self.text.push(b']');
@@ -118,6 +123,7 @@ impl Json {
 
     fn fixed(&mut self, units: i64, places: u32) {
         let one = 10_i64.pow(places);
+        // Written apart, because the whole part of -0.5 is 0 and has no sign.
         if units < 0 {
             self.text.push(b'-');
         }

@@ -38,6 +38,7 @@ impl Service {
         let mut json = Json::default();
         json.object(|json| {
             json.key("code").string("Ok");
+            // As OSRM: a flat array for one coordinate, an array of arrays for several.
             json.key("waypoints").array(|json| match &found[..] {
                 [one] => self.near(json, request, one),
                 all => all

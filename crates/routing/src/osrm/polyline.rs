@@ -4,6 +4,7 @@ use crate::geo::Place;
 
 /// A line with so many decimal places, 5 or 6.
 pub(crate) fn encode(points: &[Place], places: u32) -> String {
+    // A `Place` has seven decimal places. Half a unit is rounded away from zero.
     let divisor = 10_i64.pow(7 - places);
     let rounded = |units: i32| {
         let units = i64::from(units);
@@ -11,6 +12,8 @@ pub(crate) fn encode(points: &[Place], places: u32) -> String {
     };
     let (mut text, mut before) = (String::with_capacity(points.len() * 6), [0, 0]);
     for point in points {
+        // The format has latitude first, and differences of rounded values, so that errors do not
+        // add up.
         let now = [rounded(point.lat), rounded(point.lon)];
         for i in 0..2 {
             push(&mut text, now[i] - before[i]);
@@ -21,7 +24,10 @@ pub(crate) fn encode(points: &[Place], places: u32) -> String {
 }
 
 fn push(text: &mut String, step: i64) {
+    // The sign goes to the lowest bit, so that small negative steps stay short.
     let mut bits = (step << 1) ^ (step >> 63);
+    // Five bits a character, the lowest first. Bit 0x20 says that more follow; 63 makes it
+    // printable.
     while bits >= 0x20 {
         text.push(char::from((bits & 0x1f | 0x20) as u8 + 63));
         bits >>= 5;
@@ -51,6 +57,8 @@ fn pull(bytes: &mut std::str::Bytes<'_>) -> Option<i64> {
         if byte < 0x20 {
             return Some((bits >> 1) ^ -(bits & 1));
         }
+        // Eight characters hold 40 bits, more than any step. A longer number is not from an
+        // encoder, and would shift bits out of the result.
         if shift > 35 {
             return None;
         }

@@ -41,11 +41,14 @@ pub(super) fn places(coordinates: &str, position: usize) -> Result<Vec<Place>, F
             let mut pairs = Vec::new();
             for pair in text.split(';') {
                 pairs.push(lonlat(pair).ok_or_else(|| Failure::query(at))?);
+                // The offset of the next pair, behind the semicolon: errors name it.
                 at += pair.len() + 1;
             }
             pairs
         }
     };
+    // The text was a pair of numbers, but they are off the Earth: another error than a malformed
+    // one.
     let invalid = || Failure::new("InvalidValue", "Invalid coordinate value.");
     positions
         .into_iter()

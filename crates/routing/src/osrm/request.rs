@@ -170,6 +170,8 @@ impl Request {
         let [service, version, profile, coordinates] = parts[..] else {
             return Err(malformed());
         };
+        // Any `v` with a number is well-formed. Versions other than 1 are refused below by another
+        // code, as by OSRM.
         let version_is_one = version
             .strip_prefix('v')
             .is_some_and(|v| v.bytes().all(|b| b.is_ascii_digit()) && !v.is_empty());
@@ -188,6 +190,7 @@ impl Request {
                 format!("Service {} not found!", shown(service)),
             ));
         }
+        // Errors give offsets in the whole address, as OSRM's do.
         let position = path.len() - coordinates.len();
         let places = places(coordinates, position)?;
         let options = options(query, path.len() + 1)?;
@@ -305,10 +308,13 @@ impl RouteRequest {
             limits.route,
         )?;
         for option in options {
+            // Options that all services share come first; what they do not know is the service's
+            // own.
             if request.places.take(option)? {
                 continue;
             }
             match (option.key, option.value.as_str()) {
+                // OSRM takes a number of alternatives or a boolean, and `true` asks for one.
                 ("alternatives", "true") => request.alternatives = 1,
                 ("alternatives", "false") => request.alternatives = 0,
                 ("alternatives", _) => request.alternatives = option.whole()?,
@@ -329,6 +335,7 @@ impl RouteRequest {
                 _ => return Err(option.fail()),
             }
         }
+        // Once all options are read: of an option that is given twice the later value counts.
         if request.alternatives > limits.alternatives {
             let limit = limits.alternatives;
             let message = format!(
@@ -439,6 +446,7 @@ impl TableRequest {
         let positive = |option: &Setting<'_>| {
             let value = number(&option.value).ok_or_else(|| option.fail())?;
             let low = || Failure::new("InvalidOptions", format!("{} must be > 0", option.key));
+            // A number out of range is another error than a text that is no number.
             (value > 0.0).then_some(value).ok_or_else(low)
         };
         for option in options {
@@ -468,6 +476,8 @@ impl TableRequest {
             }
         }
         let count = request.places.coordinates.len();
+        // Bounds the table by the square of the places, of which there is a limit: indices may
+        // repeat.
         if request.sources.len().max(request.destinations.len()) > count {
             return Err(Failure::new(
                 "InvalidOptions",

@@ -47,6 +47,7 @@ impl Service {
             return Err(Failure::new("InvalidOptions", message));
         }
         let positions = self.positions(&request.places, &mut memory.nearest)?;
+        // All that can fail is done before the answer begins: JSON is written in one pass.
         let routes = self.routes(request, &positions, memory)?;
         let mut json = Json::default();
         json.object(|json| {
@@ -72,6 +73,8 @@ impl Service {
         memory: &mut ServiceMemory,
     ) -> Result<Vec<Vec<DrawnLeg>>, Failure> {
         let (roads, metric, memory) = (&self.roads, &self.metric, &mut memory.legs);
+        // Alternatives exist between two places only. Other requests that ask for some get the one
+        // route.
         if let ([a, b], 1..) = (positions, request.alternatives) {
             let legs = Leg::alternatives(roads, metric, a, b, request.alternatives, memory);
             let routes: Vec<_> = legs.into_iter().map(|leg| vec![self.drawn(leg)]).collect();
@@ -178,8 +181,10 @@ impl Service {
             }
         }
         let text = |name: u32| self.roads.network.names.get(name).name;
+        // Roads without a name cannot be named in a summary.
         lengths.retain(|named| !text(named.name).is_empty());
         let mut order: Vec<usize> = (0..lengths.len()).collect();
+        // The longest two, then back in the order of travel.
         order.sort_by(|a, b| lengths[*b].length.total_cmp(&lengths[*a].length));
         order.truncate(2);
         order.sort_unstable();
@@ -221,8 +226,11 @@ impl Service {
             if asked.nodes {
                 let begin = match segments.first() {
                     Some(segment) => segment.nodes[0],
+                    // A leg without length has no segment, but it is at some node.
                     None => self.nodes(&legs[0].leg, 0)[0],
                 };
+                // Each segment begins at the node where the one before it ends, so one node more
+                // than segments is enough.
                 json.key("nodes").array(|json| {
                     json.whole(begin);
                     segments
@@ -267,6 +275,7 @@ fn whole(legs: &[DrawnLeg]) -> Vec<Place> {
         .iter()
         .flat_map(|leg| leg.line.points.iter().copied())
         .collect();
+    // A leg begins where the one before it ends.
     points.dedup();
     points
 }

@@ -41,6 +41,8 @@ impl Service {
                 duration,
                 weight,
             } = leg.measures(&self.roads, &self.metric, i);
+            // Turns, barriers and the entry to private ground belong to no segment. They are taken
+            // out of the edge's measures before these are shared out.
             let passed = match leg.edges.get(i + 1) {
                 None => PassingCost::default(),
                 Some(next) => self.metric.passing(&self.roads, directed, *next),
@@ -80,6 +82,7 @@ impl Service {
             [&leg.to, &leg.from]
         };
         let part = leg.travelled_part(index, ids.len());
+        // Built exactly as the leg's line is, so that nodes and points correspond one to one.
         let mut along = NodesAlong::default();
         if part.begins_within {
             along.push_within(a.place, ids.at(a.segment as usize));
@@ -91,6 +94,7 @@ impl Service {
             along.push_within(b.place, ids.at(b.segment as usize + 1));
         }
         let mut nodes: Vec<i64> = along.0.into_iter().map(|(_, node)| node).collect();
+        // `travelled_part` is in the edge's own direction, the leg may run against it.
         if !is_forward {
             nodes.reverse();
         }

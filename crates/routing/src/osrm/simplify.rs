@@ -13,6 +13,7 @@ const TILE: f64 = 256.0;
 const SEEN: [f64; 2] = [8.0, 5.0];
 /// The highest zoom, and the squared distance from a straight line, in units, below which points
 /// are on the line at that zoom. Each zoom below quadruples it.
+// A pixel at zoom 18 is 3.6e9 / (256 * 2^18) = 53.6 units, so this is (4.85 pixels)^2.
 const FINEST: (i32, f64) = (18, 67_600.0);
 
 /// The points of some lines that are kept, where each line begins at the end of the one before. The
@@ -22,6 +23,7 @@ pub(crate) fn simplified(lines: &[&[Place]]) -> Vec<Place> {
         .iter()
         .map(|line| line.iter().map(mercator).collect())
         .collect();
+    // One zoom for the whole route, so that its legs are equally fine.
     let limit = FINEST.1 * 4_f64.powi(FINEST.0 - zoom(&points.concat()));
     let mut kept: Vec<Place> = Vec::new();
     for (line, points) in lines.iter().zip(&points) {
@@ -39,6 +41,8 @@ pub(crate) fn simplified(lines: &[&[Place]]) -> Vec<Place> {
 /// Which points of a line are needed for all of its points to be within a squared distance of it.
 fn keep(points: &[[f64; 2]], limit: f64) -> Vec<bool> {
     let mut kept = vec![false; points.len()];
+    // A stack of stretches instead of recursion, which is as deep as the line is long in the worst
+    // case.
     let mut waiting = if points.is_empty() {
         Vec::new()
     } else {
@@ -63,6 +67,7 @@ fn mercator(place: &Place) -> [f64; 2] {
     let latitude = place
         .position()
         .lat
+        // Where the square of the web's Mercator maps ends. The projection of a pole is infinite.
         .clamp(-85.051_13, 85.051_13)
         .to_radians();
     let y = libm::log(libm::tan(std::f64::consts::FRAC_PI_4 + latitude / 2.0));
@@ -76,6 +81,7 @@ fn zoom(points: &[[f64; 2]]) -> i32 {
         values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
     };
     // At zoom z the equator is TILE * 2^z pixels long.
+    // `max(1.0)`: the extent of a single point would divide by zero.
     let fits = |i: usize| {
         libm::floor(libm::log2(
             SEEN[i] * TILE * EQUATOR / (TILE * extent(i).max(1.0)),

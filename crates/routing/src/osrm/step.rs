@@ -117,6 +117,8 @@ impl Service {
             });
         };
         if step.edges.is_empty() {
+            // Bearings of an intersection point away from it. The road of arrival is seen
+            // backwards.
             return end(json, step.bearings[0] + 180.0, "in");
         }
         for i in step.edges.clone() {
@@ -133,6 +135,8 @@ impl Service {
                     exits.push(guide.exit(directed));
                 }
             }
+            // Where only two edges meet there is nothing to decide: no intersection. The maneuver's
+            // own place is always one.
             if i > step.edges.start && exits.len() < 3 {
                 continue;
             }
@@ -148,6 +152,7 @@ impl Service {
                 json.key("entry").array(|json| {
                     exits.iter().for_each(|exit| {
                         json.boolean(
+                            // The way back may not be entered, unless the route itself turns round.
                             exit.open && (exit.directed != from ^ 1 || exit.directed == to),
                         )
                     });

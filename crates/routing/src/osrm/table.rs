@@ -46,6 +46,8 @@ impl Service {
                 if !request.places.skip_waypoints {
                     json.key(key).array(|json| {
                         for i in indices {
+                            // All positions of a place are the same place on different edges, so
+                            // the first stands for it.
                             self.waypoint(json, &positions[*i][0], request.places.hints, |_| {});
                         }
                     });
@@ -81,6 +83,7 @@ impl Service {
                 (*duration, measured.lengths[i]) = (metres / speed, metres);
                 measured.filled.push(cell);
             }
+            // Estimates are scaled too. NaN stays NaN, which `rows` writes as `null`.
             *duration *= request.scale;
         }
         measured

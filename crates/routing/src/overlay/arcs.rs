@@ -32,6 +32,8 @@ pub struct Arcs {
 impl Arcs {
     /// Arcs between `states` states.
     pub fn new(states: usize, arcs: impl Iterator<Item = Arc> + Clone) -> Self {
+        // Sorts by counting: the numbers of arcs, summed up, are where each state's arcs begin.
+        // Arcs of one state keep their order.
         let mut first = vec![0_u32; states + 1];
         arcs.clone()
             .for_each(|arc| first[arc.from as usize + 1] += 1);
@@ -62,10 +64,13 @@ impl Arcs {
             self.via
                 .iter()
                 .max()
+                // An even number, so that both directions of the last edge have a place.
                 .map_or(0, |last| (*last as usize | 1) + 1)
         ];
         for (from, slot) in self.iter() {
             let known = &mut ends[self.via[slot] as usize];
+            // Two arcs along one directed edge, as the turns into it are: no arc has a single
+            // opposite.
             if *known != [NONE; 2] {
                 return false;
             }

@@ -41,6 +41,7 @@ impl Cliques {
     /// The cliques of all layers.
     pub fn all(overlay: &Overlay, weights: &Weights) -> Vec<Self> {
         let mut layers: Vec<Self> = Vec::new();
+        // From the lowest layer up: each is made from the cliques of the one below.
         for layer in &overlay.layers {
             let cells: Vec<u32> = (0..layer.cells() as u32).collect();
             let mut cliques = Self::empty(layer);
@@ -65,6 +66,7 @@ impl Cliques {
                 .collect();
             cells.sort_unstable();
             cells.dedup();
+            // Lower layers are read, and are up to date already; this one is written.
             let (lower, upper) = layers.split_at_mut(height);
             let below = Below {
                 overlay,
@@ -91,6 +93,8 @@ impl Cliques {
         let parts = parts
             .zip(self::parts(&mut self.trees, &layer.trees, cells))
             .zip(cells);
+        // Each cell writes to parts of its own, so cells are computed in parallel without locks,
+        // and in any order with the same result.
         let work: Vec<_> = parts
             .map(|(((rows, columns), trees), cell)| (rows, columns, trees, *cell))
             .collect();
@@ -114,6 +118,7 @@ fn parts<'a, T>(
     let mut done = 0;
     cells.iter().map(move |cell| {
         let [begin, end] = [0, 1].map(|i| ends[*cell as usize + i] as usize);
+        // `done` elements are split off already. Cells in order make all parts disjoint.
         let rest = std::mem::take(&mut all);
         let (part, rest) = rest[begin - done..].split_at_mut(end - begin);
         done = end;
@@ -174,6 +179,8 @@ impl Local {
             .map_or(index as u32, |h| overlay.layers[h].state[index]);
         for slot in overlay.out.of(state) {
             let weight = below.weights.out[slot];
+            // Exactly the arcs between subcells of one cell: subcells differ up to layer `height`,
+            // and the cells above are the same. Arcs within a subcell are in its clique.
             if usize::from(overlay.out.border[slot]) != height || weight >= FAR {
                 continue;
             }
@@ -191,6 +198,7 @@ impl Local {
         };
         let (layer, cliques) = (&below.overlay.layers[height], &below.layers[height]);
         let cell = below.overlay.cell(height, layer.state[index]);
+        // Only entries begin rows of the matrix; nothing enters the subcell elsewhere.
         if !layer.entries(cell).contains(&index) {
             return;
         }
@@ -198,6 +206,7 @@ impl Local {
         let row = layer.matrix[cell as usize] as usize
             + (index - layer.first[cell as usize] as usize) * exits.len();
         for (exit, weight) in exits.clone().zip(&cliques.rows[row..row + exits.len()]) {
+            // A slot that is entry and exit reaches itself for nothing: no arc.
             if *weight < FAR && exit != index {
                 self.arcs.push(((exit - self.begin) as u32, *weight));
             }
@@ -226,10 +235,12 @@ impl Local {
         self.distance.clear();
         self.distance.resize(tree.len(), FAR);
         self.distance[from] = 0;
+        // `is_affordable` has left out layers whose cells have `UNREACHED` indices or more.
         tree[from] = from as u16;
         self.heap.push(Reverse(from as u64));
         while let Some(Reverse(top)) = self.heap.pop() {
             let (distance, index) = ((top >> 32) as u32, top as u32 as usize);
+            // An outdated entry: entries are not moved within the heap, but added again.
             if distance > self.distance[index] {
                 continue;
             }

@@ -78,6 +78,9 @@ impl Layer {
         let known =
             [&self.matrix, &self.trees].map(|ends| ends.last().copied().unwrap_or_default());
         let inner = (0..self.cells() as u32).map(|cell| self.inner(cell).len());
+        // The constant lets small maps keep their layers whatever they look like: up to 16.8
+        // million numbers. Trees store local indices in 16 bits, of which one stands for
+        // `UNREACHED`.
         known.iter().sum::<u64>() <= MOST_NUMBERS_PER_STATE * (states as u64 + (1 << 18))
             && inner
                 .max()
@@ -123,6 +126,8 @@ impl Overlay {
             .iter()
             .map(|starts| cells_of_leaves(levels, starts))
             .collect();
+        // Cells are nested: two states in one cell are in one cell of all layers above. The layers
+        // that tell them apart are therefore the lowest ones, and counting them gives the highest.
         let border = |a: u32, b: u32| {
             let [a, b] = [a, b].map(|state| leaf[state as usize] as usize);
             cells_of_leaf
@@ -135,6 +140,7 @@ impl Overlay {
             .map(|(from, slot)| border(from, out.head[slot]))
             .collect();
         out.border = borders;
+        // Over vertices each arc has its opposite, and half of the memory is saved.
         let into = (!out.is_symmetric()).then(|| {
             let mut into = out.reversed();
             into.border = into
@@ -151,6 +157,7 @@ impl Overlay {
         };
         for (starts, cell_of_leaf) in levels.iter().zip(cells_of_leaf) {
             let layer = overlay.layer(starts, cell_of_leaf);
+            // Layers above are made from this one, so they are left out too.
             if !layer.is_affordable(overlay.out.states()) {
                 break;
             }
@@ -178,6 +185,8 @@ impl Overlay {
                 })
             });
             let state = |index: u32| lower.map_or(index, |lower| lower.state[index as usize]);
+            // Entries only, both, exits only: in this order entries and exits are ranges that
+            // overlap in the middle group.
             let mut groups = [const { Vec::new() }; 3];
             for index in inner[0]..inner[1] {
                 match (
@@ -263,6 +272,7 @@ impl Layer {
         for sizes in [&mut self.matrix, &mut self.trees] {
             let mut sum = 0;
             for size in sizes.iter_mut() {
+                // Each size is replaced by the sum of those before it.
                 sum += std::mem::replace(size, sum);
             }
             sizes.push(sum);
@@ -283,6 +293,7 @@ fn cells_of_leaves(levels: &[Vec<u32>], starts: &[u32]) -> Vec<u32> {
     let leaves = &levels[0];
     let mut cell = 0;
     let up = leaves[..leaves.len() - 1].iter().map(|start| {
+        // Both rows ascend and levels are nested, so one pass over both suffices.
         while starts[cell + 1] <= *start {
             cell += 1;
         }

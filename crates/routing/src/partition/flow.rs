@@ -18,6 +18,7 @@ impl Graph {
     /// Edges between `count` vertices. Loops are left out.
     pub(super) fn new(count: usize, edges: impl Iterator<Item = [u32; 2]> + Clone) -> Self {
         let edges = edges.filter(|[a, b]| a != b);
+        // Sorts by counting, as `Arcs` does, with each edge at both of its ends.
         let mut first = vec![0_u32; count + 1];
         for [a, b] in edges.clone() {
             first[a as usize + 1] += 1;
@@ -83,6 +84,8 @@ impl Flow {
     /// The maximum flow from all sources to all sinks; `None` as soon as it exceeds `limit`.
     pub(super) fn largest(&mut self, graph: &Graph, roles: &[Role], limit: usize) -> Option<usize> {
         self.residual.clear();
+        // An edge of capacity one in both directions: using it one way frees a second unit the
+        // other way.
         self.residual.resize(graph.head.len(), 1);
         let is_source = |vertex: u32| roles[vertex as usize] == Role::Source;
         let leaves = |vertex: &u32| {
@@ -95,6 +98,7 @@ impl Flow {
         self.begin.extend((0..graph.len() as u32).filter(leaves));
         let mut flow = 0;
         while self.find_levels(graph, roles) {
+            // No underflow: a flow above the limit has returned.
             flow += self.block(graph, roles, limit - flow);
             if flow > limit {
                 return None;
@@ -116,6 +120,8 @@ impl Flow {
         while let Some(&vertex) = self.queue.get(done) {
             done += 1;
             let next = self.level[vertex as usize] + 1;
+            // All vertices at the distance of the nearest sink have their level. Farther ones are
+            // on no shortest path.
             if next > last {
                 break;
             }
@@ -141,6 +147,8 @@ impl Flow {
     /// `limit`.
     fn block(&mut self, graph: &Graph, roles: &[Role], limit: usize) -> usize {
         self.next.clear();
+        // A slot that failed once fails for the rest of the phase, so each is passed over once
+        // only.
         self.next.extend_from_slice(&graph.first[..graph.len()]);
         let mut flow = 0;
         for i in 0..self.begin.len() {
@@ -175,6 +183,7 @@ impl Flow {
                 self.next[vertex as usize] += 1;
             }
         }
+        // All capacities are one, so each path carries one unit.
         for &slot in &self.path {
             self.residual[slot as usize] -= 1;
             self.residual[graph.twin[slot as usize] as usize] += 1;
@@ -205,6 +214,7 @@ impl Flow {
             for slot in graph.slots(vertex) {
                 let head = graph.head[slot] as usize;
                 let way = if from_sinks {
+                    // Towards the sinks: what is left in the direction from `head` to here.
                     graph.twin[slot] as usize
                 } else {
                     slot

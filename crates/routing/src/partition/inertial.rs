@@ -101,10 +101,15 @@ impl Halver {
         let mut best = (usize::MAX, 0);
         for line in LINES {
             self.hold_ends(part, line);
+            // The larger side has at least half of the vertices. A cut of more edges than this
+            // cannot be better, and its flow is given up early. The first line has no limit, so
+            // some cut is always found.
             let limit = best.0 / count.div_ceil(2);
             let Some(cut) = self.flow.largest(&part.graph, &self.roles, limit) else {
                 continue;
             };
+            // Of all minimum cuts the one nearest to the sources and the one nearest to the sinks:
+            // the more balanced counts.
             for from_sinks in [false, true] {
                 self.flow
                     .side(&part.graph, &self.roles, from_sinks, &mut self.inside);
@@ -128,10 +133,13 @@ impl Halver {
                 .zip(0..)
                 .map(|(place, i)| (along(place), i)),
         );
+        // At least one vertex on each side, so that neither half is empty.
         let (count, held) = (
             part.len(),
             part.len().div_ceil(FIXED_SHARE).min(part.len() / 2),
         );
+        // Only the first and the last `held` are needed, not a sorted order. Vertex numbers break
+        // ties, so that the result is unique.
         self.order.select_nth_unstable(held);
         self.order[held..].select_nth_unstable(count - held - held);
         self.roles.clear();

@@ -94,6 +94,8 @@ impl Partition {
             order: Vec::new(),
             levels: vec![Vec::new(); level],
         };
+        // The part fits a cell of this level: it is one, and begins at 0 within itself. It may be a
+        // cell of several levels at once.
         while level > 0 && part.len() <= sizes.0[level - 1] {
             level -= 1;
             partition.levels[level].push(0);
@@ -103,8 +105,10 @@ impl Partition {
             return partition;
         }
         let (size, [first, second]) = (part.len(), halver.halve(&part));
+        // Frees the memory before the halves are bisected further.
         drop(part);
         let (first, second) = if size > SEQUENTIAL_SIZE {
+            // Each thread needs memory of its own.
             let of_part = |part| Self::of_part(part, level, sizes, &mut Halver::default());
             rayon::join(|| of_part(first), || of_part(second))
         } else {
@@ -118,6 +122,7 @@ impl Partition {
         }
         let begin = first.order.len() as u32;
         for (all, half) in partition.levels.iter_mut().zip(second.levels) {
+            // The second half's cells follow all vertices of the first.
             all.extend(half.iter().map(|start| start + begin));
         }
         partition.order = first.order;

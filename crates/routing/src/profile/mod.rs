@@ -191,6 +191,7 @@ impl Profile {
         if tags.get("except").is_some_and(is_exempt) {
             return None;
         }
+        // A restriction for the profile's own mode counts before the general one.
         let own = modes
             .iter()
             .find_map(|mode| tags.get(&format!("restriction:{mode}")));

@@ -21,6 +21,7 @@ impl Profile {
             return Some(Passing::default());
         }
         let (access, nodes) = (&self.rules.access, &self.rules.nodes);
+        // An access tag decides alone. The kind of barrier counts only without one.
         let stopped = || listed(&nodes.closed, tags) && !listed(&nodes.open, tags);
         if access.node_closed(tags).unwrap_or_else(stopped) {
             return None;

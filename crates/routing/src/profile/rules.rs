@@ -12,6 +12,7 @@ pub(super) type Numbers = BTreeMap<String, BTreeMap<String, f64>>;
 pub(super) type Lists = BTreeMap<String, Vec<String>>;
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+// Here and below: a misspelt key is an error, and not a rule that is silently missing.
 #[serde(deny_unknown_fields)]
 pub(super) struct Rules {
     /// What the profile is for.
@@ -138,6 +139,7 @@ impl Rules {
     /// Checks that all numbers are in the range in which they make sense.
     pub(super) fn check(&self) -> Result<(), OutOfRange> {
         let (ways, nodes) = (&self.ways, &self.nodes);
+        // Positive, because times are lengths divided by speeds.
         check_all("ways.speed", &ways.speed, 0.01..=1000.0)?;
         check_all("ways.limit", &ways.limit, 0.01..=1000.0)?;
         check_all("ways.cost", &ways.cost, 0.01..=100.0)?;

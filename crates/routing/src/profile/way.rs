@@ -38,6 +38,7 @@ impl Access {
                 .split(';')
                 .any(|part| list.iter().any(|known| known == part.trim()))
         };
+        // The order is the precedence, from the most permissive meaning on.
         let lists = [
             (&self.open, AccessValue::Open),
             (&self.at_ends, AccessValue::AtEnds),
@@ -94,6 +95,7 @@ impl Profile {
         if is_closed {
             return None;
         }
+        // A way without any speed is closed, even if a timetable or a limit gives it one.
         let by_tags = matching(&ways.speed, tags).reduce(f64::max);
         let by_tags = by_tags.or(ways.speed_if_open.filter(|_| access.is_some()))?;
         let speed = timetable_speed(tags)
@@ -114,6 +116,7 @@ impl Profile {
         let text = rule.keys.iter().find_map(|key| tags.get(key))?;
         let limit: f64 = match text.strip_suffix("mph") {
             Some(miles) => miles.trim().parse::<f64>().ok()? * MILE,
+            // Words such as `walk` or `none` are no number: then the speed by tags counts.
             None => text.trim_end_matches("km/h").trim().parse().ok()?,
         };
         (1.0..=300.0).contains(&limit).then_some(limit * rule.share)

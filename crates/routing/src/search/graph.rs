@@ -34,6 +34,7 @@ pub(super) struct Ends {
 impl Ends {
     pub(super) fn set(&mut self, overlay: &Overlay, states: impl Iterator<Item = u32> + Clone) {
         self.base.clear();
+        // Labels are numbered through: the states first, then the slots of each layer.
         self.base.push(0);
         self.cells.resize_with(overlay.layers.len(), Vec::new);
         let mut base = overlay.out.states() as u32;
@@ -52,6 +53,7 @@ impl Ends {
     #[inline]
     pub(super) fn layer(&self, overlay: &Overlay, state: u32) -> usize {
         let leaf = overlay.leaf[state as usize] as usize;
+        // Few ends have few cells, so a linear look-up suffices.
         let away = |height: &usize| {
             let cell = overlay.layers[*height].cell_of_leaf[leaf];
             !self.cells[*height].contains(&cell)

@@ -103,6 +103,7 @@ impl Workspace {
             if candidates.len() == wanted.most {
                 break;
             }
+            // The path through a state of an earlier path is most often that path again.
             if seen.contains(&state) {
                 continue;
             }
@@ -134,6 +135,7 @@ impl Workspace {
         let Some(best) = self.meet(graph, stretch) else {
             return Vec::new();
         };
+        // Labels that only one side has reached sum to `FAR` or more, and are filtered out.
         let limit = ((f64::from(best.weight) * stretch) as u32).min(FAR - 1);
         let [forward, backward] = &self.sides;
         let both = forward.reached().map(|label| Meeting {
@@ -154,6 +156,7 @@ impl Workspace {
             weight: FAR,
             label: 0,
         };
+        // A label at which both sides begin is a meeting that no step will show.
         for label in &forward.begun {
             let weight = forward.weight(*label) + backward.weight(*label);
             best = best.min(Meeting {
@@ -164,9 +167,12 @@ impl Workspace {
         loop {
             let (a, b) = (forward.next(), backward.next());
             let limit = ((f64::from(best.weight) * stretch) as u32).min(FAR);
+            // A path lighter than `a + b` has an arc from a label that one side has settled to one
+            // that the other has settled. It was seen when that arc was followed.
             if a + b >= limit {
                 break;
             }
+            // The nearer side advances, so that both grow equally far.
             let (this, other, tables) = if a <= b {
                 (&mut *forward, &*backward, &tables[0])
             } else {

@@ -27,11 +27,13 @@ impl Path {
     pub(super) fn unpack(&mut self, graph: Searched<'_>, ends: &Ends, sides: &[Side; 2], met: u32) {
         self.labels.clear();
         let mut label = met;
+        // From the meeting back to the source, then reversed.
         while label != BEGUN {
             self.labels.push(label);
             label = sides[0].parent(label);
         }
         self.labels.reverse();
+        // The backward side's parents lead on to the target, in the right order already.
         label = sides[1].parent(met);
         while label != BEGUN {
             self.labels.push(label);
@@ -49,6 +51,8 @@ impl Path {
         let layer = ends.layer_of_label(from);
         let within = layer > 0 && layer == ends.layer_of_label(to);
         let base = ends.base[layer];
+        // Within a layer a search only uses arcs that leave a cell. Two slots of one cell are
+        // therefore joined by a path through it.
         if within && cell(graph, layer, from - base) == cell(graph, layer, to - base) {
             self.through(graph, layer, from - base, to - base);
         } else {
@@ -89,6 +93,8 @@ impl Path {
         let local = |slot: u32| layer.below[slot as usize] as usize - inner.start;
         let (first, mut last) = (local(from), local(to));
         // A tree has no cycles, and only reached exits are unpacked.
+        // Parents lead backwards, so the last step is pushed first and the first one is popped
+        // first.
         while last != first && tree[last] != UNREACHED {
             let before = usize::from(tree[last]);
             self.waiting.push(Piece {

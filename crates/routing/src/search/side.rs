@@ -62,6 +62,7 @@ impl<'a> Tables<'a> {
         } else {
             (layer.entries(cell), layer.exits(cell))
         };
+        // A slot that is an exit only is left by its arcs alone.
         if !from.contains(&slot) {
             return None;
         }
@@ -103,6 +104,7 @@ impl Side {
     }
 
     pub(super) fn clear(&mut self) {
+        // Only what the search reached, so that a short search on a large map costs little.
         for label in self.touched.drain(..) {
             self.weight[label as usize] = FAR;
         }
@@ -134,6 +136,8 @@ impl Side {
     pub(super) fn next(&mut self) -> u32 {
         while let Some(Reverse(top)) = self.heap.peek() {
             let (weight, label) = ((top >> 32) as u32, *top as u32);
+            // Entries of the heap are not moved when a label gets a lighter path. Those whose
+            // weight has changed since are outdated.
             if weight == self.weight[label as usize] {
                 return weight;
             }
@@ -155,6 +159,8 @@ impl Side {
         *before = weight;
         self.parent[label as usize] = parent;
         self.heap
+            // One number sorts by weight, then by label, so that the order of equal weights is
+            // fixed.
             .push(Reverse(u64::from(weight) << 32 | u64::from(label)));
         true
     }
@@ -189,6 +195,7 @@ impl Side {
         } else {
             let (base, slot) = (ends.base[height], (label - ends.base[height]) as usize);
             let through = self.parent[label as usize] & THROUGH != 0;
+            // Two paths through one cell are never joined: the direct one is at least as light.
             if let Some((first, row)) = tables.row(height - 1, slot).filter(|_| !through) {
                 self.cross(base + first as u32, row, weight, label, limit, &mut show);
             }
@@ -196,6 +203,8 @@ impl Side {
         };
         for arc in tables.arcs.of(state) {
             let reached = weight + tables.weights[arc];
+            // In layer `height` only arcs that leave the cell count. Those inside are in its
+            // matrix.
             if usize::from(tables.arcs.border[arc]) < height || reached >= limit {
                 continue;
             }

@@ -75,8 +75,11 @@ impl TableMemory {
         targets: &[Vec<ValuedEnd>],
     ) -> Vec<Found> {
         self.fill_buckets(workspace, graph, values, targets);
+        // A forward path joins the backward ones in the bucket of the state that it reaches. Of all
+        // states the lightest sum is the lightest path.
         let mut table = vec![Found::NOTHING; sources.len() * targets.len()];
         let tables = Tables::forward(graph);
+        // `max(1)`: chunks must not be empty, even if there are no targets.
         for (row, source) in table.chunks_exact_mut(targets.len().max(1)).zip(sources) {
             let Self {
                 value,
@@ -141,6 +144,7 @@ impl TableMemory {
                 away: Found::NOTHING,
             },
         );
+        // Backwards, because buckets are filled from their ends: each keeps the order of targets.
         for (state, reached) in self.found.iter().rev() {
             let end = &mut self.first[*state as usize + 1];
             *end -= 1;
@@ -192,6 +196,7 @@ impl<'a> Search<'a> {
             begin.iter().map(|begin| begin.end.state),
         );
         let labels = self.ends.labels();
+        // Old values need not be cleared: a label's value is written before it is read.
         if self.values.is_some() && self.value.len() < labels {
             self.value.resize(labels, Value::default());
         }
@@ -224,6 +229,7 @@ impl<'a> Search<'a> {
             let first = begin.iter().find(|begin| begin.end == end);
             first.map_or(Value::default(), |first| first.value)
         } else {
+            // The parent was settled before, so its value is final.
             self.value[parent as usize].plus(self.step(values, parent, label))
         };
         self.value[label as usize] = value;

@@ -47,6 +47,7 @@ impl Values {
             arcs,
             rows: Vec::new(),
         };
+        // From below, because a path through a cell is made of paths through its subcells.
         for (height, layer) in graph.overlay.layers.iter().enumerate() {
             let cells = (0..layer.cells() as u32).into_par_iter();
             let rows: Vec<Vec<Value>> = cells
@@ -70,6 +71,7 @@ impl Values {
             for (exit, weight) in exits.clone().zip(&cliques.rows[matrix..]) {
                 let mut value = Value::default();
                 let mut last = layer.below[exit] as usize - inner.start;
+                // Back along the tree, from the exit to the entry.
                 while *weight < FAR && last != first {
                     let before = usize::from(tree[last]);
                     let [from, to] = [before, last].map(|local| (inner.start + local) as u32);

@@ -37,9 +37,11 @@ pub(super) fn network(network: &Network) -> Checked {
         "the last edge's points are missing",
     )?;
     check(
+        // Directed edges are twice as many, and must stay below `NONE` in 32 bits.
         network.edge_count() < (1 << 30) && vertices < (1 << 30),
         "there are too many vertices or edges",
     )?;
+    // `edges` is not empty: its last element was found above.
     for (edge, next) in network.edges().iter().zip(&network.edges[1..]) {
         let known = (edge.from.max(edge.to) as usize) < vertices
             && (edge.class as usize) < network.way_tags.len()
@@ -77,6 +79,7 @@ pub(super) fn network(network: &Network) -> Checked {
 /// Cells follow one another and are nested.
 pub(super) fn levels(levels: &[Vec<u32>], vertices: usize) -> Checked {
     const PROBLEM: &str = "the cells do not fit the network";
+    // As many as `CellSizes` allows.
     check(levels.len() <= 7, PROBLEM)?;
     for (i, starts) in levels.iter().enumerate() {
         check(
@@ -84,6 +87,7 @@ pub(super) fn levels(levels: &[Vec<u32>], vertices: usize) -> Checked {
             PROBLEM,
         )?;
         check(
+            // Ascending, so no cell is empty and no index goes backwards.
             starts.len() >= 2 && starts.windows(2).all(|cell| cell[0] < cell[1]),
             PROBLEM,
         )?;

@@ -20,6 +20,8 @@ impl<T: Pod> Column<T> {
     /// Part of a mapped file; `None` if it is not inside the file, not a whole number of elements,
     /// or not aligned.
     pub(super) fn mapped(file: &Arc<Mmap>, begin: usize, bytes: usize) -> Option<Self> {
+        // The slice and the mapping that it borrows from are kept together, so that a column has no
+        // lifetime. Begin and length come from a file: their sum may overflow.
         let attached = Yoke::try_attach_to_cart(Arc::clone(file), |file: &Mmap| {
             let part = file
                 .get(begin..begin.checked_add(bytes).ok_or(())?)

@@ -67,6 +67,7 @@ pub fn write(roads: &Roads, path: &Path) -> Result<(), GraphFileError> {
     let mut bytes = vec![0; HEADER + SECTIONS * ENTRY];
     for (i, section) in sections(roads, &levels).into_iter().enumerate() {
         bytes.resize(bytes.len().next_multiple_of(ALIGNMENT), 0);
+        // Aligned to more than any number needs, so that mapped sections can be read in place.
         let entry = [i as u64, bytes.len() as u64, section.len() as u64];
         let at = HEADER + i * ENTRY;
         bytes[at..at + ENTRY].copy_from_slice(bytemuck::cast_slice(&entry.map(u64::to_le)));
@@ -136,6 +137,7 @@ pub fn read(path: &Path) -> Result<Roads, GraphFileError> {
     };
     whole(&mut file).map_err(io)?.map_err(bad)?;
     let file = Arc::new(map::mapped(&file).map_err(io)?);
+    // The checksum only says that the file is as it was written. Its content is checked too.
     let roads = Sections { file, next: 0 }.roads().map_err(bad)?;
     check::roads(&roads).map_err(bad)?;
     Ok(roads)
@@ -149,6 +151,7 @@ fn whole(file: &mut File) -> io::Result<Result<(), &'static str>> {
             "graph files can be read on little-endian machines only",
         ));
     }
+    // The cheap checks come first. Each has its own message, because the remedies differ.
     let size = file.metadata()?.len();
     let mut header = [0; HEADER];
     if size < (HEADER + SECTIONS * ENTRY) as u64 {
@@ -222,6 +225,8 @@ impl Sections {
     }
 
     fn roads(&mut self) -> Result<Roads, &'static str> {
+        // Fields of a struct are evaluated in the order in which they are written: that of the
+        // file.
         let mut network = Network {
             vertices: self.column()?,
             vertex_classes: self.column()?,
@@ -241,6 +246,7 @@ impl Sections {
         network.node_tags = TagSets(self.texts()?);
         network.restriction_tags = TagSets(self.texts()?);
         network.names = RoadNames(self.texts()?);
+        // Before layers are made of it, the content is checked: `assemble` indexes by it.
         check::network(&network)?;
         check::levels(&levels, network.vertices.len())?;
         Ok(Roads::assemble(network, levels, segments))

@@ -63,6 +63,7 @@ impl Beam {
         // noise would be left of their differences.
         for side in 0..4 {
             let normal = cross(wide[side], wide[(side + 1) % 4]);
+            // Corners may run either way round; the middle is inside.
             let inward = if dot(normal, middle) < 0.0 { -1.0 } else { 1.0 };
             beam.set(
                 side,
@@ -71,6 +72,7 @@ impl Beam {
             );
         }
         let length = dot(middle, middle).sqrt();
+        // Along the middle, a ray of t lengths of its direction gets t times `stride` far at most.
         beam.set(FAR, scaled(middle, -1.0 / length), origin);
         beam.near = beam.offset[FAR];
         for corner in wide {
@@ -99,6 +101,7 @@ impl Beam {
         for corner in root.min.iter().chain(&root.max) {
             extent = extent.max(corner.abs());
         }
+        // Rounding grows with the largest coordinate, and so does the slack.
         let slack = SLACK_M + RELATIVE_SLACK * extent;
         for offset in &mut self.offset {
             *offset -= slack;
@@ -119,6 +122,8 @@ impl Beam {
                 };
             }
         }
+        // Across the lanes only once: all that comes before is lane by lane, in vector
+        // instructions.
         let furthest = furthest
             .iter()
             .fold(0.0_f32, |most, &d| if d > most { d } else { most });
@@ -136,6 +141,8 @@ impl Beam {
                 + self.below[0][plane] * node.min[0]
                 + (self.above[1][plane] * node.max[1] + self.below[1][plane] * node.min[1])
                 + (self.above[2][plane] * node.max[2] + self.below[2][plane] * node.min[2]);
+            // Planes that are not used have an offset of minus infinity, and nothing lies outside
+            // of them.
             *outside = mask(reach < self.offset[plane]);
         }
         outside.iter().fold(0, |any, plane| any | plane) == 0
@@ -207,6 +214,8 @@ impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
             *inverse = invert(&rays.direction);
         }
         let mut against = [0; 3];
+        // One ray stands for all, as they run nearly alike. The order of visits matters for speed
+        // only.
         for (against, along) in against.iter_mut().zip(&rays[0].direction) {
             *against = u32::from(along[0] < 0.0);
         }
@@ -236,6 +245,7 @@ impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
                     entered = true;
                 }
             }
+            // Only triangles shorten rays, and with them the beam.
             if entered {
                 beam.end(hits);
             }

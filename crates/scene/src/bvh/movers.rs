@@ -81,6 +81,7 @@ impl Movers {
                 let mover = self.frames.len() as u32;
                 boxes.push(Boxed { mover, bounds });
             }
+            // Also without a box, so that a mover's number is its index.
             self.frames.push(frame);
         }
         if let Some(root) = around(&boxes) {
@@ -126,6 +127,7 @@ impl Movers {
         });
         let (low, high) = boxes.split_at_mut(boxes.len() / 2);
         let first = self.nodes.len();
+        // Both children before either is split, so that siblings stand side by side.
         for half in [&*low, &*high] {
             self.nodes.extend(around(half).map(node_over));
         }
@@ -154,6 +156,8 @@ impl Frame {
         };
         for i in 0..3 {
             for (axis, (low, high)) in self.axes.iter().zip(figure.min.iter().zip(&figure.max)) {
+                // The box of a rotated box, axis by axis: each product contributes its lower end to
+                // the minimum and its upper end to the maximum.
                 let (a, b) = (axis[i] * low, axis[i] * high);
                 bounds.min[i] += a.min(b);
                 bounds.max[i] += a.max(b);
@@ -176,9 +180,13 @@ impl Frame {
         for (lane, lag) in lags.iter().enumerate() {
             let (mut from, mut along) = ([0.0; 3], [0.0; 3]);
             for i in 0..3 {
+                // To where the figure was when the ray was cast. Its heading is that of the
+                // instant.
                 from[i] = rays.origin[i][lane] - (self.origin[i] + lag * self.velocity[i]);
                 along[i] = rays.direction[i][lane];
             }
+            // The axes are orthonormal, so these products are the inverse rotation. It keeps
+            // lengths: distances in the figure's axes are those in `map`.
             for (i, axis) in self.axes.iter().enumerate() {
                 taken.origin[i][lane] = axis[0] * from[0] + axis[1] * from[1] + axis[2] * from[2];
                 taken.direction[i][lane] =
@@ -241,6 +249,7 @@ impl<F: Fn(&Hit) -> bool> Kernel for CastAmong<'_, F> {
             lags,
             opaque,
         };
+        // The tree halves its boxes at each level, so it is never deeper than the stack.
         traverse(&movers.nodes, &Traversal::new(rays), hits, boxes);
     }
 }
@@ -259,6 +268,7 @@ impl<F: Fn(&Hit) -> bool> Visit for Boxes<'_, F> {
     fn leaf(&mut self, node: &Node, hits: &mut PacketHits) {
         let frame = &self.movers.frames[node.first as usize];
         let tree = &self.figures[frame.figure as usize];
+        // Limited by what the rays hit so far: only nearer hits are found.
         let taken = frame.transformed(self.rays, self.lags, &hits.distance);
         let mut found = PacketHits::none(&taken);
         if tree.depth >= PACKET_STACK {

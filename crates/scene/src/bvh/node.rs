@@ -40,6 +40,7 @@ impl Node {
     /// The children of an inner node for rays that run against the axes with a 1.
     #[inline(always)]
     pub(super) fn ordered(&self, against: &[u32; 3]) -> Children {
+        // Rays along the axis meet the lower child first, rays against it the upper one.
         let second_first = against[self.axis()] ^ self.flipped();
         Children {
             near: self.first + second_first,
@@ -74,5 +75,6 @@ pub(super) fn slab_one(
         enter = upper(lower(a, b), enter);
         leave = lower(upper(a, b), leave);
     }
+    // Idle rays have a negative limit: they enter nothing.
     (enter <= leave).then_some(enter)
 }

@@ -11,6 +11,7 @@ use super::tree::TriangleBvh;
 use super::triangle::{Hit, LeafTriangle, MISS, Meeting, moeller_trumbore};
 
 /// Rays in a packet.
+// One vector of AVX-512, two of AVX2, four of the baseline.
 pub const LANES: usize = 16;
 
 /// Depth of the deepest tree that the stack of the packet traversal has room for: each level leaves
@@ -37,6 +38,7 @@ impl RayPacket {
     pub const fn idle() -> Self {
         Self {
             origin: [[0.0; LANES]; 3],
+            // Anything but zero, so that idle lanes compute with ordinary numbers.
             direction: [[1.0; LANES]; 3],
             limit: [-1.0; LANES],
         }
@@ -163,6 +165,7 @@ impl<'a> Traversal<'a> {
             for &along in directions {
                 backward += u32::from(along < 0.0);
             }
+            // The order of visits matters for speed only, so the majority decides.
             *against = u32::from(backward > LANES as u32 / 2);
         }
         Self {
@@ -222,6 +225,7 @@ pub(super) fn traverse(
     if nodes.is_empty() {
         return;
     }
+    // Node 0 is on it: the root.
     let mut stack = [0_u32; PACKET_STACK + 2];
     let mut top = 1;
     while top > 0 {
@@ -344,6 +348,7 @@ fn intersect_masked(
     let mut left = bits(&inside);
     let mut kept = 0;
     while left != 0 {
+        // Below sixteen anyway; the remainder spares the compiler a test of each index.
         let lane = left.trailing_zeros() as usize % LANES;
         left &= left - 1;
         let hit = Hit {

@@ -153,6 +153,7 @@ impl TriangleBvh {
             let node = &self.nodes[entry.node as usize];
             if node.is_leaf() {
                 for triangle in self.leaf(node) {
+                    // A copy, since the filter may still refuse the hit.
                     let mut hit = best;
                     if intersect_one(triangle, origin, direction, &mut hit)
                         && (!triangle.masked || opaque(&hit))
@@ -196,6 +197,8 @@ fn node(tree: &Bvh2, index: u32) -> Node {
     let kind = match source.prim_count {
         0 => {
             let [a, b] = [0, 1].map(|i| &tree.nodes[source.first_index as usize + i].aabb);
+            // The axis along which the children's middles are farthest apart tells best which of
+            // them a ray meets first.
             let apart: [f32; 3] = ((b.min + b.max) - (a.min + a.max)).into();
             let axis = (0..3).fold(0, |best, i| {
                 if apart[i].abs() > apart[best].abs() {
@@ -270,6 +273,7 @@ impl Stack {
 
     #[inline(always)]
     fn pop(&mut self) -> Option<Entry> {
+        // What was pushed last is there, if anything is.
         if let Some(entry) = self.deep.pop() {
             return Some(entry);
         }

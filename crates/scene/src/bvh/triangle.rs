@@ -83,6 +83,8 @@ pub(super) fn moeller_trumbore(
     direction: [f32; 3],
     limit: f32,
 ) -> Meeting {
+    // With s = O - V0, p = D × e2 and q = s × e1, the determinant is e1 · p. Cramer's rule gives u
+    // = s · p / det, v = D · q / det and the distance e2 · q / det.
     let p = cross(direction, t.edge2);
     let inverse = 1.0 / dot(t.edge1, p);
     let s = [
@@ -95,7 +97,8 @@ pub(super) fn moeller_trumbore(
     let v = dot(direction, q) * inverse;
     let distance = dot(t.edge2, q) * inverse;
     // A ray in the plane of the triangle gives NaN or infinity, and no comparison is true. Masks
-    // instead of `&&`: a branch for each lane would keep the compiler from using vectors.
+    // instead of `&&`: a branch for each lane would keep the compiler from using vectors. Edges
+    // belong to the triangles on both sides, so that hardly a ray passes between them.
     let hit = mask(u >= 0.0)
         & mask(v >= 0.0)
         & mask(u + v <= 1.0)

@@ -51,6 +51,7 @@ impl Terrain<'_> {
             let Some(next) = self.grid.cell_in(x + dx, y + dy) else {
                 continue;
             };
+            // As in A* with a consistent estimate, closed cells are not opened again.
             if !self.free[next] || search.closed[next] {
                 continue;
             }
@@ -59,6 +60,8 @@ impl Terrain<'_> {
             if search.cost[parent] + self.grid.cells_apart(parent, next) >= search.cost[next] {
                 continue;
             }
+            // The step of Theta*: the cell's parent is tried first, so a path bends at obstacles
+            // only.
             let from = if self.in_sight(parent, next) {
                 parent
             } else if self.in_sight(cell, next) {
@@ -67,6 +70,8 @@ impl Terrain<'_> {
                 continue;
             };
             let cost = search.cost[from] + self.grid.cells_apart(from, next);
+            // The line from `cell` may still be longer than what is known: the test above was for
+            // its parent.
             if cost < search.cost[next] {
                 search.open(next, from, cost, cost + self.grid.cells_apart(next, goal));
             }
@@ -79,6 +84,7 @@ impl Terrain<'_> {
             let before = cells.len();
             let mut i = 1;
             while i + 1 < cells.len() {
+                // A corner that goes may let its neighbours see each other, hence the rounds.
                 if self.in_sight(cells[i - 1], cells[i + 1]) {
                     cells.remove(i);
                 } else {

@@ -84,6 +84,7 @@ impl FreeSpace {
         let polygons: Vec<Vec<MapPoint>> = slices.collect();
         let doors: Vec<MapPoint> = scene.doors.iter().map(Door::point).collect();
         let point = |p: &[f32; 3]| MapPoint::new(f64::from(p[0]), f64::from(p[1]));
+        // A generated scene has solid ground far beyond what is drawn; its extent leaves that out.
         let world = match scene.extent {
             Some(extent) => Bounds::of_point(start).union(extent),
             None => around(start, solid.positions.iter().map(point)),
@@ -96,6 +97,7 @@ impl FreeSpace {
         // Distances are between the middles of cells. `draw` marks every cell that a surface comes
         // near to, so the footprint keeps at least its radius from all of them.
         let clearance = squared_distances(&blocked, grid.width, grid.height);
+        // Squares are compared, so no cell needs a root.
         let limit = (radius / grid.cell) * (radius / grid.cell);
         let free: Vec<bool> = clearance.iter().map(|&d| f64::from(d) > limit).collect();
         Self {
@@ -132,6 +134,7 @@ impl FreeSpace {
     /// The place of a robot at a door: its plate moved out along its normal until the footprint is
     /// free and reachable; `None` if there is no such place within 6 m.
     pub fn approach_point(&self, door: &Door) -> Option<MapPoint> {
+        // Half a cell at a time, so that no free cell on the way out is skipped.
         let steps = (MAX_APPROACH_M / (CELL_M / 2.0)) as usize;
         (0..=steps)
             .map(|i| door.point().offset(door.facing, i as f64 * CELL_M / 2.0))
@@ -155,9 +158,11 @@ impl FreeSpace {
         let cells = terrain.shortest_path(start, goal)?;
         let mut points: Vec<MapPoint> = cells.iter().map(|c| self.grid.center(*c)).collect();
         let last = points.len() - 1;
+        // Both in one cell: the path has two ends all the same.
         if last == 0 {
             return Some(vec![from, to]);
         }
+        // The ends are exact, not the middles of their cells.
         (points[0], points[last]) = (from, to);
         Some(points)
     }
@@ -190,6 +195,7 @@ fn covering(
     let served = around(start, doors.iter().copied()).grown(SURROUNDINGS_M);
     let Bounds { low, high } = solid.intersection(served).intersection(world);
     let longer_side = (high.x - low.x).max(high.y - low.y);
+    // Larger cells rather than more of them: a world of some kilometres must fit into memory.
     let cell = CELL_M.max(longer_side / (MAX_CELLS - 1) as f64);
     GridGeometry::covering(low, high, cell, MAX_CELLS)
 }
@@ -207,6 +213,7 @@ fn flood(grid: &GridGeometry, free: &[bool], start: MapPoint) -> Vec<bool> {
             continue;
         }
         let (x, y) = grid.column_row(cell);
+        // Across sides only: through a corner between two blocked cells no footprint fits.
         for [dx, dy] in [[-1, 0], [1, 0], [0, -1], [0, 1]] {
             let next = grid.cell_in(x + dx, y + dy);
             stack.extend(next.filter(|&n| free[n] && !reached[n]));

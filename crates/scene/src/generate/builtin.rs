@@ -37,6 +37,7 @@ pub fn builtin_georeference() -> Georeference {
     Georeference::Utm {
         zone: 50,
         north: true,
+        // UTM gives the central meridian the easting of 500 km.
         offset_x: -500_000.0,
         offset_y: -4_483_000.0,
     }

@@ -175,6 +175,8 @@ fn generate_about(
     seed: u64,
     options: &GenerateOptions,
 ) -> Result<World, GenerateError> {
+    // The lattice of false origins depends on the place alone, so any georeference leads to the
+    // same world.
     let local = georeference.near(anchor, MAX_FROM_ORIGIN_M);
     let (from, to) = (georeference.offset(), local.offset());
     let start = options.start.map(|start| moved(start, from, to));
@@ -205,12 +207,14 @@ fn generate_within(
     // walls around water avoid nothing, and the start avoids all of them.
     let mut clearance = keep_free::of_map(&map, &sea);
     let mut public = without_doors(data);
+    // The public map loses its doors and gets the names of buildings by which doors are ordered.
     let placed = entrances::place(&map, &mut public, seed, options, &clearance);
     let doorways = placed.doorways;
     keep_free::add_doorways(&mut clearance, &doorways);
     let lanes = Lanes::new(&map.roads, |_| true);
     let quays = quays::lines(&map, &lanes, &sea, &clearance, extent);
     let start = match options.start {
+        // A start that is asked for is taken as it is, free or not.
         Some(start) => start,
         None => {
             let walls = walls_of(&map, &lanes, &quays);
@@ -239,6 +243,7 @@ fn generate_within(
     for build in FIXED {
         build(&inputs, &mut out);
     }
+    // From here on each thing records its ground, and later ones keep off it.
     let mut occupied = Occupied::new(&inputs.clearance);
     for build in PLACED {
         build(&inputs, &mut occupied, &mut out);
@@ -247,6 +252,7 @@ fn generate_within(
     Ok(World {
         name: options.name.clone(),
         scene: finished.scene,
+        // Agents get the map without its doors: those are what they have to find.
         map: public,
         georeference,
         start,

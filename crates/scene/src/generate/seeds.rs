@@ -23,6 +23,8 @@ pub(super) enum Purpose {
 
 /// The stream of one element for one purpose.
 pub(super) fn stream(seed: u64, purpose: Purpose, element: u64) -> Pcg64Mcg {
+    // Mixed after each part, so that seeds, purposes and elements that differ by little give
+    // unrelated streams.
     let mixed = mix(mix(mix(seed) ^ purpose as u64) ^ element);
     Pcg64Mcg::new((u128::from(mixed) << 64) | u128::from(mix(mixed)))
 }
@@ -45,6 +47,7 @@ pub(super) fn between(rng: &mut Pcg64Mcg, low: f64, high: f64) -> f64 {
 
 /// One of `choices`.
 pub(super) fn pick<T: Copy>(rng: &mut Pcg64Mcg, choices: &[T]) -> T {
+    // As `u32`: the draw is the same whatever the width of a `usize` is.
     choices[rng.random_range(0..choices.len() as u32) as usize]
 }
 

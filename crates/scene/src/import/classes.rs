@@ -98,6 +98,8 @@ const WORDS: [(SemanticClass, &[&str]); 11] = [
 /// The class that a name tells, such as `pine_tree_88` of a model.
 pub(crate) fn class_of(name: &str) -> SemanticClass {
     let lower = name.to_ascii_lowercase();
+    // Digits end a word too: `house3` is a house. Whole words are compared, so that `carpet` is no
+    // car.
     let words: Vec<&str> = lower.split(|c: char| !c.is_ascii_alphabetic()).collect();
     let speaks = |(_, known): &&(SemanticClass, &[&str])| words.iter().any(|w| known.contains(w));
     WORDS

@@ -81,6 +81,7 @@ impl<'a> Emitter<'a> {
     ) -> Result<(), ImportError> {
         let pose = parent * model.pose;
         let scale = scale.component_mul(&model.scale);
+        // Plates are drawn with their doors, by `add_doors`.
         if plate_of(model, &pose).is_some() {
             return Ok(());
         }
@@ -113,6 +114,7 @@ impl<'a> Emitter<'a> {
     /// Adds the roads, on the ground if there is a ground plane near them. Call it after the
     /// models.
     pub(crate) fn roads(&mut self, roads: &[Road]) -> Result<(), ImportError> {
+        // `note_ground` has seen all planes by now, hence roads come last.
         let shift = shift_to_ground(roads, self.ground);
         for road in roads {
             self.builder
@@ -122,6 +124,8 @@ impl<'a> Emitter<'a> {
                 None => None,
             };
             let look = own.unwrap_or_else(|| self.looks.drawn(self.builder, Pattern::MarkedRoad));
+            // Along the road an image repeats at its own length; one of unknown size is taken for
+            // square.
             let repeat = look.pattern.map_or(road.width, |p| p.metres()[1]);
             let setting = Setting {
                 model: &road.name,
@@ -140,6 +144,7 @@ impl<'a> Emitter<'a> {
             Some(paint) => self.looks.of_paint(self.builder, paint, self.warnings)?,
             None => None,
         };
+        // Meshes have materials of their own, part by part.
         if let Geometry::Mesh(mesh) = &shape.geometry {
             return self.mesh(mesh, shape, painted, setting);
         }
@@ -153,6 +158,7 @@ impl<'a> Emitter<'a> {
         let part = match &shape.geometry {
             Geometry::Box(size) => forms::cuboid(*size, metres),
             Geometry::Plane { normal, size } => {
+                // A vector is turned by a pose and not moved.
                 self.note_ground(setting.pose * normal, setting.pose.translation.z, *size);
                 let part = forms::plane(*normal, *size, shape.visual, metres);
                 let pose = if shape.visual {
@@ -169,6 +175,7 @@ impl<'a> Emitter<'a> {
                 return self.heightmap(heightmap, shape, look, setting);
             }
             Geometry::Image(image) => self.drawn_up(image, setting)?,
+            // Returned above.
             Geometry::Mesh(_) => Part::default(),
         };
         self.part(&part, &look, setting)
@@ -249,6 +256,7 @@ impl<'a> Emitter<'a> {
         for part in parts {
             let material = part.material.and_then(|m| mesh.materials.get(m));
             let look = match &painted {
+                // Collision shapes are not seen, so their images are not read.
                 _ if setting.layer == Layer::Solid => Look::default(),
                 Some(look) => look.clone(),
                 None => {
@@ -284,6 +292,7 @@ impl<'a> Emitter<'a> {
     }
 
     fn part(&mut self, part: &Part, look: &Look, setting: &Setting) -> Result<(), ImportError> {
+        // Counted before they are placed, so that no more memory is taken than the limit allows.
         self.triangles += part.triangles.len();
         if self.triangles > MAX_TRIANGLES {
             return Err(ImportError::too_large(
@@ -302,6 +311,7 @@ impl<'a> Emitter<'a> {
             )
         };
         let corners: Vec<Corner> = part.corners.iter().map(place).collect();
+        // A scale that mirrors turns triangles inside out.
         let mirrored = setting.scale.product() < 0.0;
         let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
         let triangles: Vec<[u32; 3]> = part.triangles.iter().map(turned).collect();
@@ -319,6 +329,7 @@ impl<'a> Emitter<'a> {
 /// A pose at which an infinite plane reaches around the origin of the world: it is the same plane
 /// wherever its middle is.
 fn along_plane(pose: Pose3, normal: &Vector3<f64>) -> Pose3 {
+    // The part of the translation along the plane does not move it.
     let (at, across) = (pose.translation.vector, pose.rotation * normal);
     let along = at - across * across.dot(&at);
     if along.norm() < WITHIN_PLANE_M {

@@ -27,6 +27,8 @@ pub(crate) fn cuboid(size: Vector3<f64>, metres: Option<[f64; 2]>) -> Part {
         for sign in [-1.0, 1.0] {
             let mut normal = Vector3::zeros();
             normal[axis] = sign;
+            // The image stands upright on the sides; top and bottom have no upright, and y is
+            // taken.
             let up = if axis == 2 {
                 Vector3::y()
             } else {
@@ -61,6 +63,8 @@ pub(crate) fn plane(
         size.map(|s| s.max(SOLID_PLANE_EDGE_M))
     };
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), &normal)
+        // Straight down, no single rotation is the shortest; a half turn about any level axis will
+        // do.
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
     let repeat = metres.map_or([1.0; 2], |m| [size[0] / m[0], size[1] / m[1]]);
     let mut part = Part::default();
@@ -109,6 +113,8 @@ pub(crate) fn cylinder(radius: f64, length: f64) -> Part {
     let mut part = Part::default();
     for (z, v) in [(-length / 2.0, 0.0), (length / 2.0, 1.0)] {
         part.corners
+            // One corner more than segments: where the image closes, u is 0 and 1 at the same
+            // place.
             .extend((0..=SEGMENTS).map(|i| circle_corner(radius, i, z, v)));
     }
     let row = SEGMENTS + 1;
@@ -193,6 +199,7 @@ pub(crate) fn sphere(radius: f64) -> Part {
     let row = SEGMENTS + 1;
     for ring in 0..RINGS {
         part.triangles
+            // At the poles one triangle of each pair has no area, and no ray hits it.
             .extend((0..SEGMENTS).flat_map(|i| band(ring * row + i, (ring + 1) * row + i)));
     }
     part

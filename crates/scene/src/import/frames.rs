@@ -39,6 +39,7 @@ impl Frames {
                     continue;
                 };
                 let RelativePose { pose, frame } = pose_of(path, node)?;
+                // Without `relative_to`, a pose is given in the frame to which its own is attached.
                 let frame = frame.or_else(|| node.attribute("attached_to").map(str::to_owned));
                 frames.insert(name.to_owned(), RelativePose { pose, frame });
             }
@@ -71,6 +72,7 @@ impl Frames {
         let mut pose = Pose3::identity();
         let mut next = Some(name);
         for _ in 0..MAX_CHAIN {
+            // These are names of the scope's own frame.
             let Some(name) = next.filter(|n| !matches!(*n, "" | "__model__" | "world")) else {
                 return Ok(pose);
             };
@@ -80,6 +82,7 @@ impl Frames {
                 ));
                 return Ok(pose);
             };
+            // From the inside out, until the frame of the scope itself is reached.
             pose = own.pose * pose;
             next = own.frame.as_deref();
         }
@@ -101,6 +104,7 @@ pub(crate) fn pose_of(path: &Path, node: Node) -> Result<RelativePose, ImportErr
     };
     let frame = pose
         .attribute("relative_to")
+        // The name of the attribute before SDF 1.7.
         .or_else(|| pose.attribute("frame"));
     Ok(RelativePose {
         pose: parse_pose(path, pose)?,
@@ -120,6 +124,7 @@ pub(crate) fn parse_pose(path: &Path, node: Node) -> Result<Pose3, ImportError> 
     } else {
         1.0
     };
+    // About fixed axes, first x, then y, then z: nalgebra's convention is that of SDF.
     let rotation = UnitQuaternion::from_euler_angles(roll * unit, pitch * unit, yaw * unit);
     Ok(Pose3::from_parts(Translation3::new(x, y, z), rotation))
 }

@@ -10,6 +10,7 @@ use crate::{SceneBuilder, Texture, TextureId};
 
 const MAX_TEXELS_A_SIDE: u32 = 1024;
 /// Side of the largest grey image: two triangles between each four pixels.
+// 8.4 million triangles. Heightmaps of Gazebo have 2^n + 1 pixels a side.
 const MAX_GREY_A_SIDE: u32 = 2049;
 const MAX_PIXELS_A_SIDE: u32 = 16_384;
 const MAX_DECODED_BYTES: u64 = 512 << 20;
@@ -49,6 +50,7 @@ pub(crate) struct Grey {
 
 /// Reads an image in grey, of at least two pixels a side.
 pub(crate) fn read_grey(path: &Path) -> Result<Grey, ImportError> {
+    // 16 bits: with 8, a hill of a hundred metres would have steps of 40 cm.
     let image = decode(path)?.into_luma16();
     let (width, height) = image.dimensions();
     if !(2..=MAX_GREY_A_SIDE).contains(&width) || !(2..=MAX_GREY_A_SIDE).contains(&height) {
@@ -87,10 +89,12 @@ fn decode(path: &Path) -> Result<DynamicImage, ImportError> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_PIXELS_A_SIDE);
     limits.max_image_height = Some(MAX_PIXELS_A_SIDE);
+    // Decoders check these before they take memory: a few bytes may declare an image of gigabytes.
     limits.max_alloc = Some(MAX_DECODED_BYTES);
     let io = |e| ImportError::io(path, e);
     let mut reader = ImageReader::open(path)
         .map_err(io)?
+        // By its content, whatever the file is called.
         .with_guessed_format()
         .map_err(io)?;
     reader.limits(limits);
@@ -144,6 +148,7 @@ fn block_mean(texture: &Texture, x0: u32, y0: u32, factor: u32) -> [u8; 4] {
         }
     }
     let alpha = sums[3];
+    // Rounded to the nearest; a block that is wholly transparent has no colour.
     let color = |sum: u64| (sum + alpha / 2).checked_div(alpha).unwrap_or(0) as u8;
     let count = u64::from(columns) * u64::from(rows);
     [

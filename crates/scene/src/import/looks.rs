@@ -131,6 +131,7 @@ impl<'a> Looks<'a> {
         {
             look = Some(self.with_image(builder, &file, warnings)?);
         }
+        // Without a script or an image, the mesh's own look applies; `of_mesh` gives it the colour.
         if let (Some(look), Some(color)) = (&mut look, paint.color) {
             look.color = color;
         }
@@ -182,6 +183,7 @@ impl<'a> Looks<'a> {
                     .map(Some);
             }
         }
+        // Scripts first: a world may bring its own material under a name of Gazebo's.
         match builtin(name) {
             Some(Builtin::Color(color)) => {
                 return Ok(Some(Look {
@@ -227,6 +229,7 @@ impl<'a> Looks<'a> {
             }
         }
         look.color = material.color.unwrap_or(look.color);
+        // After the image, since that makes a new look.
         look.cutout = material.cutout;
         look.stretch = material.stretch;
         Ok(look)
@@ -251,6 +254,7 @@ impl<'a> Looks<'a> {
             .extension()
             .and_then(|e| e.to_str())
             .map(str::to_ascii_lowercase);
+        // A warning and no error: without its image the shape is still there, in white.
         if !matches!(ending.as_deref(), Some("png" | "jpg" | "jpeg")) {
             warnings.add(format!(
                 "image format of {} is not supported",
@@ -267,6 +271,7 @@ impl<'a> Looks<'a> {
     /// The image of a mesh file: at the path in the file, else by its file name beside the mesh or
     /// among the textures of its model.
     fn mesh_image(&self, mesh: &Path, name: &str) -> Option<PathBuf> {
+        // Exporters write paths of Windows, and URIs.
         let name = name.replace('\\', "/").replace("%20", " ");
         let folder = mesh.parent()?;
         let file = Path::new(&name).file_name()?;
@@ -296,6 +301,7 @@ fn script_files(places: &[PathBuf]) -> Vec<PathBuf> {
                 .map(|e| e.path())
                 .filter(is_script)
                 .collect();
+            // The order of a folder's entries depends on the file system.
             inside.sort();
             files.extend(inside);
         }

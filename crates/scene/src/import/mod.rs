@@ -102,6 +102,7 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     }
     .world(&request.world)?;
 
+    // In the frame of the file: start and origin depend on where the doors are.
     let mut plates = plates_of(&world.models);
     if plates.is_empty() {
         return Err(ImportError::NoDoors {
@@ -124,6 +125,8 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     }
 
     let (from, to) = (georeference.offset(), local.offset());
+    // In double precision, before triangles are made: in single precision, raw UTM coordinates have
+    // steps of up to half a metre.
     let shift = Vector3::new(to.x - from.x, to.y - from.y, 0.0);
     let moved = Pose3::from_parts(shift.into(), UnitQuaternion::identity());
     world.roads.iter_mut().for_each(|road| road.shift(&shift));
@@ -135,6 +138,7 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     for model in &world.models {
         emitter.model(model, &moved, &Vector3::repeat(1.0))?;
     }
+    // After the models, among which is the ground that roads lie on.
     emitter.roads(&world.roads)?;
     add_doors(&mut builder, &plates, &map, &mut warnings);
     if let Some(sun) = world.sun {

@@ -66,6 +66,8 @@ impl Script {
                 }
             }
             _ => {
+                // Whether a line is an attribute or the header of a block is known only from what
+                // follows. No header matches an attribute below.
                 self.attribute(piece);
                 piece.clone_into(&mut self.header);
             }
@@ -80,6 +82,7 @@ impl Script {
             let (name, parent) = rest
                 .split_once(':')
                 .map_or((rest, None), |(n, p)| (n, Some(p.trim())));
+            // A material inherits from one that stands above it in the same script.
             let start = parent
                 .and_then(|p| self.materials.get(unquoted(p)))
                 .cloned()
@@ -123,16 +126,20 @@ impl Script {
                 material.cutout |= values.first() != Some(&"always_pass")
             }
             ("pass", "scene_blend") => {
+                // Rays hit a surface or pass it, so blended texels become holes or not.
                 material.cutout |= matches!(
                     values.as_slice(),
                     ["alpha_blend"] | ["src_alpha", "one_minus_src_alpha"]
                 );
             }
+            // The first image counts as the colour; further ones are often normals or lights.
             ("texture_unit", "texture") if material.image.is_none() => {
                 material.image = values.first().map(|v| unquoted(v).to_owned());
             }
             ("texture_unit", "scale") => {
                 if let (Some(u), Some(v)) = (number(0), number(1)) {
+                    // OGRE scales the image, so coordinates are divided by the scale; one of zero
+                    // is ignored.
                     material.stretch = [u, v].map(|s| if s.abs() > 1e-6 { s } else { 1.0 });
                 }
             }

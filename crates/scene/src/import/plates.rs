@@ -51,6 +51,7 @@ pub(crate) fn unit_of_name(name: &str) -> Option<u32> {
     let end = rest
         .find(|c: char| !c.is_ascii_digit())
         .unwrap_or(rest.len());
+    // `text_model12b` is another name, `text_model12_0` a copy of number 12.
     let (number, suffix) = rest.split_at(end);
     if suffix.is_empty() || suffix.starts_with(['_', ' ', '-', '(']) {
         number.parse().ok()
@@ -73,6 +74,7 @@ pub(crate) fn plate_of(model: &Model, pose: &Pose3) -> Option<PlateAt> {
         )),
         _ => None,
     });
+    // The mesh hangs where the plate is seen; the model's own pose may be elsewhere.
     let by_mesh = with_unit.next().map(|(unit, pose)| PlateAt { unit, pose });
     by_mesh.or_else(|| unit_of_name(&model.name).map(|unit| PlateAt { unit, pose: *pose }))
 }
@@ -129,6 +131,8 @@ pub(crate) fn add_doors(
         let Some(building) = map.nearest_building(point) else {
             continue;
         };
+        // A stray plate becomes a door all the same; the warning tells that the map may be the
+        // wrong one.
         strays += usize::from(map.distance_to_building(building, point) > OFF_BUILDING_M);
         let named = map.buildings.get(building).and_then(|b| b.name.clone());
         let building = named.unwrap_or_else(|| format!("building{}", building + 1));

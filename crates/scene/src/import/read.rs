@@ -74,12 +74,14 @@ impl SdfReader<'_> {
             for inserted in children(state, "insertions") {
                 result.models.extend(self.models_in(place, inserted)?);
             }
+            // After the insertions, which the state moves too.
             State::read(path, state)?.apply(&mut result.models);
         }
         result.sun = read_sun(path, world, self.warnings)?;
         for road in children(world, "road") {
             result.roads.push(read_road(path, road)?);
         }
+        // These would be seen, unlike the other elements that are left out.
         for tag in ["actor", "population"] {
             children(world, tag)
                 .for_each(|_| self.warnings.add(format!("<{tag}> is not supported")));
@@ -91,6 +93,7 @@ impl SdfReader<'_> {
     fn models_in(&mut self, place: Place, scope: Node) -> Result<Vec<Model>, ImportError> {
         let frames = Frames::read(place.path, scope)?;
         let mut models = Vec::new();
+        // One pass over both kinds, so that models keep the order of the file.
         for node in scope.children() {
             if is(node, "model") {
                 let mut model = self.model(place, node)?;
@@ -145,6 +148,7 @@ impl SdfReader<'_> {
             let in_model = frames.explicit(place.path, child, self.warnings)?;
             let own = in_model.map_or_else(
                 || pose_of(place.path, child).map(|p| p.pose),
+                // Named frames are those of the model; a shape's pose is kept in its link.
                 |p| Ok(pose.inverse() * p),
             )?;
             let visual = is(child, "visual");
@@ -187,6 +191,7 @@ impl SdfReader<'_> {
                 Some(model) => model,
                 None => return Ok(None),
             },
+            // A light of Gazebo's own, which models on the search path need not hold.
             None if model_of(uri) == Some("sun") => return Ok(None),
             None if model_of(uri).and_then(unit_of_name).is_some() => plate_model(uri),
             None => {
@@ -200,6 +205,7 @@ impl SdfReader<'_> {
         };
         model.name = name;
         if child(node, "pose").is_some() {
+            // The pose of an include replaces that of the model in its file.
             model.pose = pose_of(place.path, node)?.pose;
         }
         Ok(Some(model))
@@ -223,6 +229,7 @@ impl SdfReader<'_> {
 
 /// Replaces the model of a plate, which was never published.
 fn plate_model(uri: &str) -> Model {
+    // This file is never read: its uri tells `plate_of` the unit.
     let mesh = format!("{}/meshes/plate.dae", uri.trim_end_matches('/'));
     let shape = Shape {
         visual: true,
@@ -231,6 +238,7 @@ fn plate_model(uri: &str) -> Model {
         paint: None,
     };
     Model {
+        // The include gives it one.
         name: String::new(),
         pose: Pose3::identity(),
         scale: Vector3::repeat(1.0),
@@ -250,6 +258,7 @@ fn model_file(found: &Path) -> Option<PathBuf> {
     }
     let named = || {
         let config = found.join("model.config");
+        // A `model.config` that is missing or broken is no error: `model.sdf` is the usual name.
         let text = read_text(&config).ok()?;
         let doc = parse(&config, &text).ok()?;
         let version = |n: &Node| {

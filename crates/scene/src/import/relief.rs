@@ -12,6 +12,7 @@ use super::sdf::{Heightmap, ImageShape};
 use crate::scene::Corner;
 
 /// Most boxes of one image.
+// Of twelve triangles each.
 pub(crate) const MAX_BOXES: usize = 100_000;
 
 /// The surface of a heightmap: a square between each four pixels, as two triangles. Texture
@@ -24,6 +25,7 @@ pub(crate) fn surface(image: &Grey, shape: &Heightmap, tile: f64) -> Part {
     } else {
         0.0
     };
+    // Not divided by zero: `read_grey` refuses images of fewer than two pixels a side.
     let step = |pixels: usize, metres: f64| metres / (pixels - 1) as f64;
     let (dx, dy) = (
         step(image.width, shape.size.x),
@@ -46,6 +48,7 @@ pub(crate) fn surface(image: &Grey, shape: &Heightmap, tile: f64) -> Part {
             let north = row * width + column;
             let south = north + width;
             part.triangles
+                // Counter-clockwise seen from above.
                 .extend([[south, south + 1, north + 1], [south, north + 1, north]]);
         }
     }
@@ -60,6 +63,7 @@ pub(crate) fn boxes(image: &Grey, shape: &ImageShape) -> Option<Part> {
     if rectangles.len() > MAX_BOXES {
         return None;
     }
+    // Rows run southwards, y northwards: hence the signs of both middles.
     let (half_width, half_height) = (image.width as f64 / 2.0, image.height as f64 / 2.0);
     for Pixels { columns, rows } in rectangles {
         let side = |pixels: &std::ops::Range<usize>| pixels.len() as f64 * shape.scale;
@@ -100,6 +104,7 @@ fn dark_rectangles(image: &Grey, threshold: f32) -> Vec<Pixels> {
             if run[0] > threshold {
                 continue;
             }
+            // Rectangles above that begin farther west have no equal run in this row.
             while let Some(ended) = above.next_if(|above| above.columns.start < columns.start) {
                 done.push(ended);
             }

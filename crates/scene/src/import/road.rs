@@ -45,6 +45,7 @@ pub(crate) fn ribbon(road: &Road, shift: f64, repeat: f64) -> Part {
         }
         let before = i.checked_sub(1).map(|j| direction(&points[j], p));
         let after = points.get(i + 1).map(|next| direction(p, next));
+        // One direction at the ends of the road, two at a joint.
         let side = mitre(before, after) * (road.width / 2.0);
         for (offset, u) in [(side, 0.0), (-side, 1.0)] {
             let at = Point3::new(p[0] + offset.x, p[1] + offset.y, p[2] + shift);
@@ -65,6 +66,7 @@ fn distinct(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     for p in points {
         if kept
             .last()
+            // Between equal points there is no direction.
             .is_none_or(|last| (flat(p) - flat(last)).norm() > 1e-6)
         {
             kept.push(*p);
@@ -88,6 +90,8 @@ fn mitre(before: Option<Vector2<f64>>, after: Option<Vector2<f64>>) -> Vector2<f
     let (Some(before), Some(after)) = (before, after) else {
         return before.or(after).map_or(Vector2::y(), left);
     };
+    // The offset m lies one half width from both lines: m · l = 1 for both normals l. Hence m = 2
+    // (l1 + l2) / |l1 + l2|².
     let middle = left(before) + left(after);
     let length = 2.0 / middle.norm_squared().max(1e-12);
     let mitred = middle * length;

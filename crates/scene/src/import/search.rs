@@ -41,6 +41,8 @@ impl SearchPath {
         let relative = Path::new(rest.trim_end_matches('/'));
         let inside = relative
             .components()
+            // No `..` and no absolute path: a reference cannot leave the folders of the search
+            // path.
             .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
         if rest.is_empty() || !inside {
             return None;

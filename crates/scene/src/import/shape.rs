@@ -60,6 +60,7 @@ fn read_plane(path: &Path, node: Node) -> Result<Geometry, ImportError> {
 /// All `<polyline>` elements of a `<geometry>`; `first` is one of them.
 fn read_polylines(path: &Path, first: Node) -> Result<Geometry, ImportError> {
     let [height] = positive(path, first, "height")?;
+    // The element that was found is the first of several: together they are one shape with holes.
     let lines: Vec<Node> = first
         .parent()
         .map_or(vec![first], |all| children(all, "polyline").collect());
@@ -122,6 +123,7 @@ fn read_heightmap(path: &Path, node: Node) -> Result<Heightmap, ImportError> {
         .map(|t| child_numbers::<1>(path, t, "size"))
         .transpose()?
         .flatten();
+    // Defaults here and below are those of the SDF specification.
     let tile = tile.map_or(10.0, |[metres]| metres);
     Ok(Heightmap {
         uri: uri_of(path, node)?,
@@ -143,6 +145,7 @@ fn read_image_shape(path: &Path, node: Node) -> Result<ImageShape, ImportError> 
     Ok(ImageShape {
         uri: uri_of(path, node)?,
         scale: number("scale", 1.0)?,
+        // The file counts brightness in bytes, images are read from 0 to 1.
         threshold: (number("threshold", 200.0)? / 255.0) as f32,
         height: number("height", 1.0)?,
     })

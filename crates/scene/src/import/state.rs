@@ -58,11 +58,14 @@ impl State {
 impl ModelState {
     fn apply(&self, model: &mut Model, parent: &Pose3) {
         if let Some(pose) = self.pose {
+            // Poses of the state are in the world, those of models in the frame of the enclosing
+            // model.
             model.pose = parent.inverse() * pose;
         }
         if let Some(scale) = self.scale {
             model.scale = scale;
         }
+        // After the model has moved: links without a state of their own move with it.
         let world = parent * model.pose;
         for link in &mut model.links {
             if let Some(pose) = self.links.get(&link.name) {
@@ -83,6 +86,7 @@ fn read_models(
     depth: usize,
 ) -> Result<BTreeMap<String, ModelState>, ImportError> {
     let mut states = BTreeMap::new();
+    // Models so deep are refused by the reader, so nothing is lost.
     if depth > MAX_DEPTH {
         return Ok(states);
     }

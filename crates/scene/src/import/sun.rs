@@ -30,6 +30,7 @@ pub(crate) fn read_sun(
 }
 
 fn directional(path: &Path, world: Node, light: Node) -> Result<Sun, ImportError> {
+    // Light has a strength and no colour here.
     let mean = |c: [f32; 3]| (c[0] + c[1] + c[2]) / 3.0;
     let direction =
         child_numbers::<3>(path, light, "direction")?.map_or(-Vector3::z(), Vector3::from);

@@ -16,6 +16,7 @@ const MAX_NODES: u32 = 20_000_000;
 /// The bytes of a file of bounded size.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ImportError> {
     let io = |e| ImportError::io(path, e);
+    // Asked before reading, so that a huge file takes no memory.
     let length = std::fs::metadata(path).map_err(io)?.len();
     if length > MAX_FILE_BYTES as u64 {
         return Err(ImportError::too_large(path, "bytes", MAX_FILE_BYTES));
@@ -158,6 +159,7 @@ pub(crate) fn child_color(
 }
 
 fn clip(word: &str) -> String {
+    // A broken file may hold megabytes without a space, and this ends up in a message.
     word.chars().take(40).collect()
 }
 

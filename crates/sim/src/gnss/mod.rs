@@ -70,7 +70,9 @@ impl Gnss {
         base_link: &Pose3,
     ) -> Option<GnssFix> {
         let truth = (base_link * self.antenna).translation.vector;
+        // Slow errors drift also while there is no fix, so reception does not change their course.
         self.sky.drift(FIX_NS as f64 * 1e-9, &mut self.noise);
+        // Walls are searched once for a fix, not for each satellite.
         let around = Surroundings::new(caster, truth);
         let mut ranges = Vec::with_capacity(SATELLITES);
         for satellite in self.sky.at(stamp.seconds()) {
@@ -98,7 +100,9 @@ impl Gnss {
 fn range(satellite: Satellite, white: f64, arrival: Arrival) -> Range {
     let (late, strength) = match arrival {
         Arrival::Direct => (0.0, 1.0),
+        // The direct signal is the stronger one, and the receiver tracks it.
         Arrival::Both { extra } => (interference(extra), 1.0),
+        // The receiver takes the reflection for the satellite: the whole detour is an error.
         Arrival::Reflected { extra } => (extra, REFLECTED),
     };
     let slow_deviation = slow_deviation(satellite.direction.z);
@@ -106,6 +110,7 @@ fn range(satellite: Satellite, white: f64, arrival: Arrival) -> Range {
     Range {
         direction: satellite.direction,
         error: satellite.slow * slow_deviation + white * white_deviation + late,
+        // `late` is left out: a receiver sees that a signal is weak, not that it was reflected.
         deviation: libm::hypot(slow_deviation, white_deviation) / strength,
     }
 }
@@ -114,6 +119,9 @@ fn range(satellite: Satellite, white: f64, arrival: Arrival) -> Range {
 /// oscillates with the phase between the two, and the correlator, spaced a tenth of a chip, bounds
 /// it.
 fn interference(extra: f64) -> f64 {
+    // Let α be the relative amplitude and φ the phase. A short delay gives an error of `α cos φ /
+    // (1 + α cos φ)` times the delay. From half the correlator's spacing on, the envelope is flat.
+    // It ends beyond one chip, which walls within 60 m do not reach.
     let longest = 0.1 * CHIP_M / 2.0;
     let swing = REFLECTED * libm::cos(std::f64::consts::TAU * extra / WAVELENGTH_M);
     swing / (1.0 + swing) * extra.min(longest)

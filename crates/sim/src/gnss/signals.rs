@@ -55,6 +55,8 @@ impl<'a> Surroundings<'a> {
         };
         for i in 0..PROBES {
             let (sin, cos) = libm::sincos(std::f64::consts::TAU * i as f64 / PROBES as f64);
+            // Planes are collected, not hits: a satellite's own point of reflection is searched
+            // later.
             let found = around.mirror(Vector3::new(cos, sin, 0.0), WALL_RANGE_M as f32);
             let Some(mirror) = found else { continue };
             if !around
@@ -91,10 +93,13 @@ impl<'a> Surroundings<'a> {
         if facing < MIN_FACING {
             return None;
         }
+        // Mirrored, the direction has -facing along the normal, so it meets the plane after
+        // distance / facing.
         let towards = satellite - mirror.normal * (2.0 * facing);
         let reach = mirror.distance / facing;
         // The wall may end before the point of reflection.
         let met = self.mirror(towards, reach as f32 + 1.0)?;
+        // Off the surface, so that the wall does not block its own reflection.
         let place = self.antenna + towards * reach + mirror.normal * OFF_SURFACE_M;
         let reflects = met.is_plane_of(mirror) && self.is_clear(place, satellite);
         reflects.then_some(2.0 * mirror.distance * facing)
@@ -104,6 +109,7 @@ impl<'a> Surroundings<'a> {
     fn mirror(&self, direction: Vector3<f64>, limit: f32) -> Option<Mirror> {
         let hit = self.first_hit(self.antenna, direction, limit)?;
         let normal = Vector3::from(self.caster.surface(hit.triangle).normal.map(f64::from));
+        // Triangles reflect on both sides; the normal follows from the order of their corners.
         let normal = if normal.dot(&direction) > 0.0 {
             -normal
         } else {
@@ -129,6 +135,7 @@ impl<'a> Surroundings<'a> {
             if self.caster.material(hit.triangle).class != SemanticClass::Vegetation {
                 return Some(hit);
             }
+            // Beyond this leaf, or the next ray would hit it again.
             passed = f64::from(hit.distance) + OFF_SURFACE_M;
         }
         None

@@ -42,6 +42,8 @@ impl Sky {
         // The golden ratio less one, in turns: no smaller set of directions repeats.
         let golden = std::f64::consts::TAU * 0.618_033_988_749_895;
         let directions = std::array::from_fn(|i| {
+            // Equal steps of z bound zones of equal area on a sphere, so the satellites are spread
+            // evenly.
             let z = 1.0 - (2.0 * i as f64 + 1.0) / SATELLITES as f64;
             let (sin, cos) = libm::sincos(golden * i as f64);
             let r = (1.0 - z * z).sqrt();
@@ -59,6 +61,7 @@ impl Sky {
     pub(super) fn drift(&mut self, seconds: f64, noise: &mut Noise) {
         let kept = libm::exp(-seconds / CORRELATION_S);
         for slow in &mut self.slow {
+            // The share of new noise keeps the variance at 1 whatever the interval.
             *slow = kept * *slow + (1.0 - kept * kept).sqrt() * noise.normal();
         }
     }
@@ -86,6 +89,7 @@ pub(super) fn slow_deviation(sine: f64) -> f64 {
 fn random_rotation(noise: &mut Noise) -> Rotation3<f64> {
     // Four normal numbers are a quaternion without a preferred direction.
     let [w, x, y, z] = [0; 4].map(|_| noise.normal());
+    // Axis and angle do not depend on the quaternion's length, so it needs no normalization.
     let axis = Unit::try_new(Vector3::new(x, y, z), 1e-12).unwrap_or_else(Vector3::z_axis);
     let half = libm::atan2(libm::sqrt(x * x + y * y + z * z), w);
     Rotation3::from_axis_angle(&axis, 2.0 * half)

@@ -19,6 +19,8 @@ pub(super) struct Range {
 impl Range {
     /// The row of the design matrix.
     fn row(&self) -> Vector4<f64> {
+        // Derivatives of the range: a step towards the satellite shortens it, a late clock
+        // lengthens it.
         Vector4::new(-self.direction.x, -self.direction.y, -self.direction.z, 1.0)
     }
 
@@ -45,9 +47,12 @@ pub(super) fn solve(ranges: &[Range]) -> Option<Solution> {
     let plain: Matrix4<f64> = ranges.iter().map(|r| r.row() * r.row().transpose()).sum();
     let shape = plain.try_inverse()?;
     let dilution = (0..3).map(|i| shape[(i, i)]).sum::<f64>().sqrt();
+    // Rounding may make a nearly singular inverse negative, whose root is NaN.
     if dilution.is_nan() || dilution > MAX_DILUTION {
         return None;
     }
+    // Normal equations (HᵀWH) x = HᵀW e. As the weights are inverse variances, the inverse of HᵀWH
+    // is the covariance of x.
     let normal: Matrix4<f64> = ranges
         .iter()
         .map(|r| r.row() * r.row().transpose() * r.weight())

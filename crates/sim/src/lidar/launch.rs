@@ -30,11 +30,13 @@ impl Launch {
         let (Some(first), Some(last)) = (knots.first(), knots.last()) else {
             return;
         };
+        // Without aims this is no finite number, and the loop does not run.
         let knots_a_firing = (knots.len() - 1) as f32 / (aims.len() / LINES) as f32;
         for (firing, lines) in aims.chunks_exact(LINES).enumerate() {
             let at = firing as f32 * knots_a_firing;
             let before = at as usize;
             let a = knots.get(before).unwrap_or(first);
+            // After the last pose, as with one pose alone, the last one holds.
             let b = knots.get(before + 1).unwrap_or(last);
             let knot = a.blend(b, at - before as f32);
             self.origins.push(knot.origin);

@@ -108,11 +108,15 @@ impl Lidar {
                 let rays = self.packet(group);
                 let mut lags = [0.0; LANES];
                 for (lag, ray) in lags.iter_mut().zip(group) {
+                    // Seconds before the scan's end, hence negative. The four rays of a firing get
+                    // slightly different lags; 15 µs move nothing by more than a millimetre.
                     *lag = *ray as f32 * (FIRING_NS as f32 * 1e-9 / LINES as f32)
                         - SCAN_NS as f32 * 1e-9;
                 }
                 met.note(packet, seen, &rays, &seen.cast_packet(&rays, &lags));
             }
+            // All casts of a block before any return of it: arithmetic over 64 becomes vector
+            // instructions.
             let returns = met.returns();
             for (i, &ray) in block.iter().enumerate() {
                 self.echoes[ray as usize] = Echo {
@@ -143,6 +147,8 @@ impl Lidar {
         for (ray, (echo, aim)) in (0_u32..).zip(self.echoes.iter().zip(&self.aims)) {
             // Drawn for every ray, so that one ray's hit does not change the noise of the next.
             let drawn = self.noise.quick();
+            // The uniform number is never negative, so a detection of 0 drops every ray that hit
+            // nothing.
             if drawn.uniform >= echo.detection {
                 continue;
             }
@@ -192,6 +198,8 @@ impl Kernel for Ranges<'_> {
         self.lidar.aim();
         self.lidar.launch.set(&self.lidar.aims, self.poses);
         for group in self.lidar.order.rays.chunks_exact(LANES) {
+            // The tree alone, without surfaces and movers: that is what other ray casters are
+            // compared with.
             let hits = self.tree.cast_packet(&self.lidar.packet(group));
             for (lane, &ray) in group.iter().enumerate() {
                 let hit = hits.triangle[lane] != MISS;
@@ -254,6 +262,8 @@ impl BlockHits {
             detection: [0.0; BLOCK],
         };
         for i in 0..BLOCK {
+            // Either side of a triangle reflects. Rounding may give cosines above 1, whose slant
+            // would be the root of a negative number.
             let along = self.along[i].abs();
             let cosine = if along < 1.0 { along } else { 1.0 };
             returns.deviation[i] = deviation(self.range[i], cosine);

@@ -51,9 +51,12 @@ impl CastingOrder {
     /// Sorts the rays, after all directions have been noted.
     #[inline(always)]
     pub(super) fn sort(&mut self) {
+        // The counts stand one place too far right, so their running sums are where buckets begin.
         for bucket in 0..BUCKETS {
             self.begins[bucket + 1] += self.begins[bucket];
         }
+        // In the order of firing within a bucket: the sort is stable, and the order of casting is
+        // fixed.
         for (ray, bucket) in self.buckets.iter().enumerate() {
             let place = &mut self.begins[usize::from(*bucket)];
             self.rays[*place as usize] = ray as u32;
@@ -64,6 +67,7 @@ impl CastingOrder {
 
 #[inline(always)]
 fn bucket(aim: &Aim) -> usize {
+    // Rounding may give a whole turn; casts of negative numbers saturate at 0.
     let column = ((aim.turn * COLUMNS as f32) as usize).min(COLUMNS - 1);
     let height = (aim.elevation - LOWEST_RAD) / (HIGHEST_RAD - LOWEST_RAD);
     let row = ((height * ROWS as f32) as usize).min(ROWS - 1);

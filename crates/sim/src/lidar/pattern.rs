@@ -224,10 +224,14 @@ impl Pattern {
                 };
                 let az = az.plus(SinCos::of_small(aside));
                 let turn = rotors.turns[i] + aside * (1.0 / TAU) as f32;
+                // The line's own direction by the sum formulas, without a sine or cosine of its
+                // angles.
                 (x[i], y[i], z[i]) = (az.cos * el.cos, az.sin * el.cos, el.sin);
+                // Through a signed integer, for which every machine has a vector conversion.
                 turns[i] = turn - whole(turn) as i32 as f32;
                 elevation[i] = rotors.elevation[i] + up;
             }
+            // Stored apart from the arithmetic above, whose loop becomes vector instructions.
             for (i, aims) in aims.iter_mut().enumerate() {
                 let direction = [x[i], y[i], z[i]];
                 aims[line] = Aim {
@@ -246,6 +250,8 @@ impl Pattern {
         for i in 0..VOLLEY {
             let number = (first + i as u64) % PERIOD;
             let swing = &self.swings[(number % SLOW_TURN) as usize];
+            // In whole numbers, so that the angle is as exact after hours as at the start. The
+            // product stays below 2^31, as `number` is below PERIOD.
             let steps = number * FAST_TURNS % PERIOD;
             let fast = self.fast.sin_cos(steps).single();
             let azimuth = fast.plus(swing.azimuth_sin_cos);

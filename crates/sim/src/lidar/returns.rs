@@ -53,7 +53,9 @@ impl Echo {
     reason = "two comparisons become vector instructions"
 )]
 pub(super) fn detection(range: f32, cosine: f32, reflectivity: f32) -> f32 {
+    // Reflectivities follow what the eye sees; in infrared no surface is quite as dark.
     let share = upper(reflectivity * (1.0 / 255.0), DARKEST);
+    // At range 0 the quotient is infinite or NaN; the test of the range discards it.
     let light = share * cosine / (range * range);
     // None below half the threshold, all above one and a half of it: a straight line stands for the
     // distribution function of the noise.
@@ -71,6 +73,7 @@ pub(super) fn deviation(range: f32, cosine: f32) -> f32 {
     // A uniform distribution over a width has that width over the root of 12 as its deviation.
     const SPREAD: f32 = DIVERGENCE_RAD * DIVERGENCE_RAD / 12.0;
     let square = upper(cosine, GRAZING) * upper(cosine, GRAZING);
+    // On a surface at the angle α, a beam that is wide by w spreads the range by w tan α.
     let slant = SPREAD * (1.0 - square) / square;
     (TIMING_M * TIMING_M + range * range * (GROWTH * GROWTH + slant)).sqrt()
 }

@@ -29,6 +29,7 @@ pub(super) const PLACES: [Block; 2] = {
 
 /// Index of a pixel within its block.
 pub(super) const fn pixel(column: usize, row: usize) -> usize {
+    // A packet is a square tile rather than a row of pixels: its rays stay closer together.
     let tile = row / TILE * (SIDE / TILE) + column / TILE;
     LANES * tile + row % TILE * TILE + column % TILE
 }

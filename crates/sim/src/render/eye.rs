@@ -65,6 +65,8 @@ impl Eye {
                 packet.copy_from_slice(&directions[i * LANES..][..LANES]);
             }
         }
+        // Every ray of the block lies between those of its corner pixels, so the beam holds them
+        // all.
         const END: usize = SIDE - 1;
         const CORNERS: [usize; 4] = [pixel(0, 0), pixel(END, 0), pixel(END, END), pixel(0, END)];
         let mut corners = [[0.0; 3]; 4];

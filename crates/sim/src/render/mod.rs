@@ -206,6 +206,7 @@ fn sunlit(seen: Snapshot<'_>, rays: &[RayPacket; PACKETS], hits: &[PacketHits; P
             let normal = seen.normal(hits, lane);
             let direction = [0, 1, 2].map(|axis| rays.direction[axis][lane]);
             let facing: f32 = (0..3).map(|axis| normal[axis] * direction[axis]).sum();
+            // To the side from which the surface is seen: triangles have two sides.
             let off = if facing > 0.0 {
                 -OFF_SURFACE_M
             } else {
@@ -216,6 +217,7 @@ fn sunlit(seen: Snapshot<'_>, rays: &[RayPacket; PACKETS], hits: &[PacketHits; P
             });
             back.set(lane, at, towards, SHADOW_RANGE_M);
         }
+        // Lanes without a hit are idle and come back as sunlit; those pixels show the sky.
         let between = seen.cast_packet(&back, &NO_LAG);
         for (sunlit, triangle) in sunlit.iter_mut().zip(&between.triangle) {
             *sunlit = if *triangle == MISS { 1.0 } else { 0.0 };
@@ -232,6 +234,7 @@ fn put(rgb: &mut [u8], corner: Corner, size: ImageSize, colors: &[Block; 3], gai
     let mut packed = [0_u32; BLOCK];
     for (channel, colors) in colors.iter().enumerate() {
         for (packed, color) in packed.iter_mut().zip(colors) {
+            // A half is added since `whole` rounds down.
             let value = color * gain + 0.5;
             let value = if value < 255.0 { value } else { 255.0 };
             *packed |= whole(value) << (8 * channel);
@@ -239,6 +242,7 @@ fn put(rgb: &mut [u8], corner: Corner, size: ImageSize, colors: &[Block; 3], gai
     }
     let columns = corner.columns(size);
     for row in 0..corner.rows(size) {
+        // A whole row is packed at a constant length; only what lies inside the image is copied.
         let mut bytes = [0; 3 * SIDE];
         for column in 0..SIDE {
             let [red, green, blue, _] = packed[pixel(column, row)].to_le_bytes();

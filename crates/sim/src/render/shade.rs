@@ -108,6 +108,7 @@ impl Shader {
             length[i] = (dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i]).sqrt();
         }
         let mut colors = sky(dz, &length);
+        // Blocks of sky alone need no lighting.
         let Some(surfaces) = self.surfaces(seen, hits) else {
             return colors;
         };
@@ -184,6 +185,7 @@ impl Shader {
         let [dx, dy, dz] = directions;
         for i in 0..BLOCK {
             let facing = (nx[i] * dx[i] + ny[i] * dy[i] + nz[i] * dz[i]) / length[i];
+            // The normal that counts is the one towards the viewer: triangles have two sides.
             let side = if facing > 0.0 { -1.0 } else { 1.0 };
             let lambert = -side * (nx[i] * sun[0] + ny[i] * sun[1] + nz[i] * sun[2]);
             let lambert = if lambert > 0.0 { lambert } else { 0.0 };
@@ -193,6 +195,7 @@ impl Shader {
             // Light adds up linearly. Colours are sRGB, whose curve is near a square root.
             light.strength[i] = linear.sqrt();
             let distance = surfaces.distance[i] * length[i];
+            // A floor under the cosine: at grazing angles a pixel would cover texels without bound.
             let slant = if facing.abs() > 0.15 {
                 facing.abs()
             } else {
@@ -224,6 +227,7 @@ impl Shader {
             return [[255.0; BLOCK]; 3];
         }
         let corners = corners(&surfaces.uv, &size);
+        // White in all channels: pixels without a texture keep their material's colour.
         let mut packed = [[u32::MAX; BLOCK]; 4];
         for i in 0..BLOCK {
             let Some(image) = images[i] else { continue };
@@ -268,6 +272,8 @@ fn texel_density(caster: &RayCaster, triangle: u32) -> f32 {
         e1[2] * e2[0] - e1[0] * e2[2],
         e1[0] * e2[1] - e1[1] * e2[0],
     ];
+    // Twice the triangle's area, as is the determinant of the texture coordinates below: the
+    // factors cancel. A triangle without area must not divide by zero.
     let area = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2])
         .sqrt()
         .max(1e-12);

@@ -29,6 +29,7 @@ pub(super) struct Level {
 impl Mipmaps {
     pub(super) fn new(texture: &Texture) -> Self {
         let mut images = vec![texture.clone()];
+        // A side of one texel cannot be halved, so narrow textures have fewer levels.
         while let Some(last) = images.last().filter(|t| t.width > 1 && t.height > 1) {
             images.push(halved(last));
         }
@@ -120,6 +121,8 @@ pub(super) fn blend(packed: &[[u32; BLOCK]; 4], corners: &Corners) -> [Block; 3]
         let [p, q, r, s] = packed;
         let (p, q, r, s) = (p[i], q[i], r[i], s[i]);
         // Red and blue together, and green alone: each has room for a weight above it.
+        // The weights add up to 256, so a sum is at most 255 times 256: it does not carry into the
+        // next half.
         const RED_BLUE: u32 = 0xff_00ff;
         let red_blue =
             (p & RED_BLUE) * a + (q & RED_BLUE) * b + (r & RED_BLUE) * c + (s & RED_BLUE) * d;
@@ -145,6 +148,7 @@ struct TexelPair {
 #[inline(always)]
 fn neighbours(place: f32, size: u32) -> TexelPair {
     // One texel is added, so that no number is below zero.
+    // `whole` saturates at 2^22 steps, which are 262,144 texels.
     let steps = whole(place * (size * STEPS) as i32 as f32 + (STEPS / 2) as f32);
     let (after, weight) = (steps / STEPS, steps % STEPS);
     let first = if after == 0 { size - 1 } else { after - 1 };
@@ -158,6 +162,7 @@ fn neighbours(place: f32, size: u32) -> TexelPair {
 }
 
 fn halved(image: &Texture) -> Texture {
+    // An odd last row or column is left out.
     let (width, height) = (image.width / 2, image.height / 2);
     let texel =
         |x: u32, y: u32, c: u32| u32::from(image.rgba[(4 * (y * image.width + x) + c) as usize]);

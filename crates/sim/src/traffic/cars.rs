@@ -131,6 +131,7 @@ impl Cars {
 
     /// A car at a place drawn from all lanes, or outside.
     fn place(&mut self, start: MapPoint, people: &Pedestrians) -> Car {
+        // Lanes only: a car that began on a turn would not have reserved it.
         let lanes = &self.lanes.pieces[..self.lanes.lanes];
         let whole: f64 = lanes.iter().map(|p| p.length).sum();
         let mut car = Car {
@@ -151,10 +152,13 @@ impl Cars {
                 run < 0.0
             });
             let Some(k) = drawn else { continue };
+            // What was taken off last is this lane, so the draw ends at this distance along it.
             let s = run + lanes[k].length;
             let at = lanes[k].pose(s).point();
+            // The whole car stands on the lane, and no turn is under its ends.
             let begin = CAR_HALF_LENGTH_M + 1.0;
             let end = lanes[k].length - CAR_HALF_LENGTH_M - 3.0;
+            // Lanes lie `APART_M` beside each other, so only cars on the same lane can be too near.
             let is_apart =
                 |c: &Car| !c.present || c.piece != k as u32 || (c.s - s).abs() > START_FROM_CARS_M;
             if s > begin
@@ -181,6 +185,8 @@ impl Cars {
         self.reserve_turns(dt);
         for i in 0..self.cars.len() {
             if self.cars[i].present {
+                // All decide by the same instant before any of them moves, so their order does not
+                // matter.
                 self.accelerations[i] = self.acceleration(i, ground, robot, people);
             }
         }
@@ -216,6 +222,7 @@ impl Cars {
         for (state, piece) in self.pieces.iter_mut().zip(pieces) {
             state.room = piece.length + 3.0;
         }
+        // From the first car of a piece back to its last, which therefore has the last word.
         for &i in self.order.iter().rev() {
             let car = &cars[i as usize];
             if car.present {
@@ -227,6 +234,8 @@ impl Cars {
     /// Lets cars that are near their turn reserve it. The first in line asks; the others are behind
     /// it.
     fn reserve_turns(&mut self, dt: f64) {
+        // How long cars wait for each turn, before any of them reserves one: that is what
+        // `may_turn` compares.
         self.pieces.iter_mut().for_each(|state| state.wait = 0.0);
         for car in self.cars.iter().filter(|c| c.present && !c.reserved) {
             if let Some(turn) = car.turn {
@@ -241,6 +250,8 @@ impl Cars {
             };
             let piece = &self.lanes.pieces[car.piece as usize];
             let left = piece.length - car.s - CAR_HALF_LENGTH_M;
+            // The braking distance at 1.5 m/s², a second of driving and a few metres: a car that
+            // may turn does not brake first.
             let near = left < car.speed * car.speed / 3.0 + car.speed + 3.0;
             if near && self.is_first(i) && self.may_turn(turn, car.stands) {
                 self.pieces[turn as usize].reserved += 1;
@@ -267,6 +278,7 @@ impl Cars {
         let piece = &self.lanes.pieces[turn as usize];
         let mut others = piece.conflicts.iter().map(|c| &self.pieces[*c as usize]);
         let out = piece.next[0] as usize;
+        // Cars that have reserved the same turn will need room on that lane too.
         let cars = self.pieces[turn as usize].reserved + 1;
         let room = f64::from(cars) * (2.0 * CAR_HALF_LENGTH_M + AT_REST_M);
         self.pieces[out].room >= room
@@ -285,6 +297,7 @@ impl Cars {
             let by_place = self.cars[*j as usize].s.total_cmp(&car.s);
             by_piece.then(by_place).then(j.cmp(&(i as u32))).is_le()
         };
+        // `order` is sorted by piece and place until cars drive, so halving finds the next car.
         let next = *self.order.get(self.order.partition_point(is_behind))?;
         (key(next) == (false, car.piece)).then_some(next as usize)
     }
@@ -295,6 +308,7 @@ impl Cars {
             let c = &self.cars[*j as usize];
             (!c.present, c.piece) < (false, piece)
         };
+        // The lowest place on a piece is that of its last car.
         let first = *self.order.get(self.order.partition_point(is_before))? as usize;
         (self.cars[first].present && self.cars[first].piece == piece).then_some(first)
     }
@@ -313,13 +327,17 @@ impl Cars {
         let mut limit = piece.speed(car.s);
         let mut worst = f64::INFINITY;
         match self.next_piece(car) {
+            // A free course: the car slows down for the bend ahead only.
             Some(next) if car.reserved || self.lanes.is_turn(car.piece) => {
                 limit = limit.min(slowing(self.lanes.pieces[next as usize].speed(0.0), left));
             }
+            // Out of sight a car drives off the end of its lane, see `drive`.
             None if is_hidden(ground, robot, piece.pose(car.s).point()) => {}
             // The line before a turn that is not reserved, or the end of the road.
             _ => {
                 let line = Leader {
+                    // Cars stop `AT_REST_M` before a leader. This one is set so far beyond the line
+                    // that the front stops 0.2 m before it.
                     gap: left - CAR_HALF_LENGTH_M + AT_REST_M - 0.2,
                     speed: 0.0,
                 };
@@ -363,6 +381,7 @@ impl Cars {
         }
         let mut run = self.lanes.pieces[car.piece as usize].length - car.s;
         let mut next = self.next_piece(car);
+        // A turn and the lane after it: which turn a car takes from there is not drawn yet.
         for _ in 0..3 {
             let piece = next?;
             if let Some(j) = self.last_on(piece).filter(|j| *j != i) {
@@ -382,6 +401,8 @@ impl Cars {
         people: &Pedestrians,
         mut visit: impl FnMut(Leader),
     ) {
+        // As far as the car needs to stop comfortably, two seconds of driving, and some metres at
+        // rest.
         let braking = car.speed * car.speed / (2.0 * COMFORTABLE);
         let range = braking + 2.0 * car.speed + 8.0;
         let (mut piece, mut s) = (car.piece, car.s);
@@ -403,6 +424,7 @@ impl Cars {
                 let next = if self.lanes.is_turn(piece) {
                     Some(here.next[0])
                 } else {
+                    // The turn is known for the car's own lane only.
                     car.turn.filter(|_| piece == car.piece)
                 };
                 let Some(next) = next else { return };
@@ -415,6 +437,7 @@ impl Cars {
         let car = &mut self.cars[i];
         car.speed = (car.speed + self.accelerations[i] * dt).max(0.0);
         car.s += car.speed * dt;
+        // The tail has left the turn: others may cross it.
         if car.s > CAR_HALF_LENGTH_M + 0.5
             && let Some(turn) = car.leaves.take()
         {
@@ -422,6 +445,7 @@ impl Cars {
         }
         let piece = &self.lanes.pieces[car.piece as usize];
         let hidden = |s: f64| is_hidden(ground, robot, piece.pose(s).point());
+        // Jams that the model cannot dissolve end here, unseen.
         let impatient = car.stands > PATIENCE_S && hidden(car.s);
         let at_end = car.turn.is_none() && !self.lanes.is_turn(car.piece) && car.s >= piece.length;
         if impatient || (at_end && hidden(piece.length)) {
@@ -498,6 +522,7 @@ impl Cars {
             return;
         };
         let piece = &self.lanes.pieces[entry as usize];
+        // Its middle is at the lane's beginning, and its tail still behind that.
         let pose = piece.pose(0.0);
         let has_room = self.pieces[entry as usize].room >= ENTRY_ROOM_M.min(piece.length);
         if has_room && self.is_clear(pose.point(), people) && is_hidden(ground, robot, pose.point())
@@ -508,6 +533,7 @@ impl Cars {
             car.turn = draw(&piece.next, &mut self.noise);
             // No second car comes in at the same instant.
             self.pieces[entry as usize].room = 0.0;
+            // Cars that try to come in after this one in the same step see it.
             self.hulls[i] = CarHull::new(pose, car.speed);
         }
     }

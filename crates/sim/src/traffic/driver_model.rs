@@ -29,6 +29,7 @@ pub(super) struct Leader {
 /// briskly; this part is ours.
 pub(super) fn free(speed: f64, limit: f64) -> f64 {
     if speed > limit {
+        // The model's fourth power would brake without bound far above a limit that falls ahead.
         return ((limit - speed) / 0.5).max(-COMFORTABLE * 1.5);
     }
     let share = speed / limit.max(0.1);
@@ -42,6 +43,7 @@ pub(super) fn free(speed: f64, limit: f64) -> f64 {
 pub(super) fn behind(speed: f64, limit: f64, leader: Leader) -> f64 {
     let approach = speed * (speed - leader.speed) / (2.0 * (ACCELERATION * COMFORTABLE).sqrt());
     let desired = AT_REST_M + (speed * HEADWAY_S + approach).max(0.0);
+    // Hulls that touch have no gap to divide by. Callers bound the braking that results.
     let share = desired / leader.gap.max(0.05);
     free(speed, limit) - ACCELERATION * share * share
 }

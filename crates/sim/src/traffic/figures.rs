@@ -91,6 +91,8 @@ impl Figure {
         let mut builder = SceneBuilder::new();
         let look = look as usize;
         let mut cloth = |color| builder.material(Material::plain(SemanticClass::Person, color));
+        // The lists have different lengths. Hair and top alone tell 24 people apart: 3 and 8 have
+        // no common divisor.
         let skin = cloth(SKINS[(look / 2) % SKINS.len()]);
         let hair = cloth(HAIRS[look % HAIRS.len()]);
         let top = cloth(TOPS[look % TOPS.len()]);
@@ -114,6 +116,7 @@ impl Figure {
         self.leg(Point3::new(0.0, -HIP_M, hip), right);
         let swing = arm_swing(phase);
         let [x, y, z] = SHOULDER_M;
+        // Arms swing against the legs of their side.
         self.arm(Point3::new(x, y, hip + z), -swing);
         self.arm(Point3::new(x, -y, hip + z), swing);
         self.trunk(hip);
@@ -121,6 +124,7 @@ impl Figure {
 
     fn trunk(&mut self, hip: f64) {
         let at = |x: f64, z: f64| Point3::new(x, 0.0, hip + z);
+        // Each piece reaches a little into the next, so open ends are not seen.
         let pelvis = [
             ring(at(0.0, -0.06), 0.10, 0.155),
             ring(at(0.0, 0.12), 0.11, 0.155),
@@ -221,6 +225,7 @@ impl Figure {
                 triangles.extend([[a, b, b + sides], [a, b + sides, a + sides]]);
             }
         }
+        // Fans about the first corner of the lowest and of the highest ring.
         for k in 1..sides - 1 {
             if matches!(closed, Closed::Lower | Closed::Both) {
                 triangles.push([0, k + 1, k]);

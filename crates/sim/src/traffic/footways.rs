@@ -70,6 +70,7 @@ impl Builder<'_> {
     fn lay(&mut self, line: &Line) -> Option<Ends> {
         let from = self.places.len() as u32;
         for w in line.points.windows(2) {
+            // The bound keeps a single absurd segment from filling memory.
             let steps = (w[0].distance(w[1]) / SPACING_M).ceil().clamp(1.0, 2_000.0) as usize;
             for i in 0..=steps {
                 let share = i as f64 / steps as f64;
@@ -77,6 +78,7 @@ impl Builder<'_> {
                     w[0].x + (w[1].x - w[0].x) * share,
                     w[0].y + (w[1].y - w[0].y) * share,
                 );
+                // The end of a segment is the beginning of the next.
                 let repeated = self.places[from as usize..]
                     .last()
                     .is_some_and(|p| p.point == point);
@@ -89,6 +91,8 @@ impl Builder<'_> {
             }
         }
         let to = self.places.len() as u32;
+        // Where places were left out, the two beside the gap are next to each other here; `link`
+        // refuses if the gap is too wide.
         (from + 1..to).for_each(|i| self.link(i - 1, i));
         (to > from).then(|| Ends {
             first: from,
@@ -117,6 +121,8 @@ impl Builder<'_> {
             neighbours.near(place.point, |j| {
                 let other = self.places[j].point;
                 let near = place.point.distance(other) <= JOIN_M;
+                // Each pair once. Neighbours along a way may be found again; the graph drops
+                // repeated links.
                 if j > i && near && self.ground.sees(place.point, other) {
                     self.pairs.push([i as u32, j as u32]);
                 }

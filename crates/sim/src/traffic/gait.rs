@@ -32,6 +32,7 @@ const fn angles(swing: f64, bend: f64, pitch: f64) -> Angles {
 
 /// A leg in each phase, from its heel strike on.
 const GAIT: [Angles; PHASES] = [
+    // Heel strike, flat foot three times, heel off, toe off, swing twice.
     angles(24.0, 5.0, 14.0),
     angles(20.0, 18.0, 0.0),
     angles(5.0, 12.0, 0.0),

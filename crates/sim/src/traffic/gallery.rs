@@ -49,6 +49,7 @@ impl Gallery {
             MoverKind::Pedestrian => self.people.len(),
             MoverKind::Car => self.cars.len(),
         };
+        // Not zero: a stage without figures of a kind admits none of its movers (`suffices`).
         mover.look % looks as u32
     }
 }

@@ -64,6 +64,7 @@ impl Ground {
 
     /// The room around `point`, interpolated between cells; none outside the grid.
     pub fn clearance(&self, point: MapPoint) -> Clearance {
+        // In cells from the middle of the first cell: clearances hold in the middles.
         let x = (point.x - self.grid.origin.x) / self.grid.cell - 0.5;
         let y = (point.y - self.grid.origin.y) / self.grid.cell - 0.5;
         let (width, height) = (self.grid.width as f64, self.grid.height as f64);
@@ -76,6 +77,7 @@ impl Ground {
         let at = |dx: usize, dy: usize| {
             f64::from(self.clearance[(row + dy) * self.grid.width + column + dx])
         };
+        // Bilinear interpolation, and its derivatives along both axes.
         let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
         let (low, high) = (a + (b - a) * u, c + (d - c) * u);
         let slope = [(b - a) * (1.0 - v) + (d - c) * v, high - low];
@@ -133,6 +135,7 @@ fn covering(map: &OsmMap, start: MapPoint) -> GridGeometry {
         .map(|p| Bounds::of_point(*p))
         .fold(around_start, Bounds::union)
         .grown(MARGIN_M);
+    // A map may be large, or hold a node far away; traffic far from the robot is not needed.
     let Bounds { low, high } = mapped.intersection(around_start.grown(REACH_M));
     GridGeometry::covering(low, high, CELL_M, (2.0 * REACH_M / CELL_M) as usize)
 }

@@ -44,6 +44,7 @@ impl CarHull {
     /// Whether the hull may be within `reach` metres of `point`: a cheap test that never misses.
     pub fn may_reach(&self, point: MapPoint, reach: f64) -> bool {
         let (dx, dy) = (point.x - self.pose.x, point.y - self.pose.y);
+        // The sum of two sides is more than the diagonal, which is the farthest corner.
         let reach = reach + self.half_length + self.half_width;
         dx * dx + dy * dy < reach * reach
     }
@@ -66,11 +67,14 @@ impl CarHull {
         if depth_along <= 0.0 || depth_across <= 0.0 {
             return [0.0; 2];
         }
+        // Along the axis on which less is missing. Corners count as square, so a disc may be moved
+        // a little too far there.
         let (x, y) = if depth_along < depth_across {
             (depth_along * forward.signum(), 0.0)
         } else {
             (0.0, depth_across * left.signum())
         };
+        // A shift has a direction and no place: it is turned, and not moved.
         let to = Pose2::new(0.0, 0.0, self.pose.yaw).transform(x, y);
         [to.x, to.y]
     }

@@ -36,6 +36,7 @@ const SHARPEST_TURN_RAD: f64 = 2.5;
 /// Distance between the lateral offsets that are tried, metres.
 const OFFSET_STEP_M: f64 = 0.1;
 /// Points before and behind a narrow place over which a lane is moved aside.
+// Points are a metre apart, so a car has seven metres to move aside.
 const EASE: usize = 7;
 
 /// All lanes, then all turns.
@@ -82,6 +83,7 @@ impl Lanes {
             .iter()
             .map(|junction| junction.setback())
             .collect();
+        // A street too short for a lane between its junctions goes, and they become one junction.
         let mut clusters = Clusters::new(junctions.len());
         streets.retain(|street| {
             let shortest = setbacks[street.from] + setbacks[street.to] + SHORTEST_LANE_M;
@@ -93,7 +95,9 @@ impl Lanes {
         });
         let mut lanes = Vec::new();
         for (i, street) in streets.iter().enumerate() {
+            // Lanes end before the junction; turns lead over it.
             let line = trimmed(&street.points, setbacks[street.from], setbacks[street.to]);
+            // Only now are the clusters complete: a lane begins and ends at a cluster.
             for lane in lanes_of(street, &line, ground) {
                 lanes.push(Lane {
                     street: i,
@@ -110,8 +114,10 @@ impl Lanes {
         let count = lanes.len();
         let turns = turns(&lanes, ground);
         let mut pieces: Vec<Piece> = lanes.into_iter().map(|lane| lane.piece).collect();
+        // Until a turn leads to it, below.
         pieces.iter_mut().for_each(|p| p.is_entry = true);
         for (k, turn) in turns.iter().enumerate() {
+            // Turns follow the lanes in `pieces`, hence the offset `count`.
             let conflicts = (0..turns.len()).filter(|&other| turn.conflicts_with(&turns[other]));
             let mut piece = turn.piece.clone();
             piece.next = vec![turn.to as u32];
@@ -154,6 +160,7 @@ impl Clusters {
 
     fn merge(&mut self, a: usize, b: usize) {
         let (a, b) = (self.of(a), self.of(b));
+        // The lower root stays, so numbers of clusters do not depend on the order of merges.
         self.parents[a.max(b)] = a.min(b);
     }
 }
@@ -170,6 +177,7 @@ fn turns(lanes: &[Lane], ground: &Ground) -> Vec<Turn> {
     for (from, lane) in lanes.iter().enumerate() {
         let Some(junction) = lane.to else { continue };
         for &to in leaving.get(&junction).into_iter().flatten() {
+            // No U-turns.
             if lanes[to].street == lane.street {
                 continue;
             }
@@ -198,6 +206,7 @@ struct Course {
 fn lanes_of(street: &Street, line: &[MapPoint], ground: &Ground) -> Vec<Lane> {
     let way = &street.carriageway;
     let line = resampled(line, SPACING_M);
+    // Offsets count to the left, so traffic that keeps to the right has a negative one.
     let side = if way.left_hand { 1.0 } else { -1.0 } * way.half_width / 2.0;
     let offsets = |nominal: f64| eased_offsets(&line, way.half_width, nominal, ground);
     let mut courses = Vec::new();
@@ -211,6 +220,8 @@ fn lanes_of(street: &Street, line: &[MapPoint], ground: &Ground) -> Vec<Lane> {
             forward: false,
         };
         let mut pairs = forth.offsets.iter().zip(&back.offsets);
+        // Eased around obstacles, both lanes may come too close, or even swap sides: then there is
+        // one.
         if pairs.all(|(a, b)| (b - a) * -side.signum() >= APART_M) {
             courses = vec![forth, back];
         }
@@ -243,6 +254,7 @@ fn eased_offsets(line: &[MapPoint], half_width: f64, nominal: f64, ground: &Grou
             let mut clear = candidates
                 .iter()
                 .filter(|o| is_clear(offset_point(line, i, **o), ground));
+            // Where no offset is clear the lane is cut later, see `clear_lanes`.
             clear.next().copied().unwrap_or(nominal)
         })
         .collect();
@@ -258,6 +270,7 @@ fn eased_offsets(line: &[MapPoint], half_width: f64, nominal: f64, ground: &Grou
 
 /// Offsets at which a car stays on its carriageway, the nearest to `nominal` first.
 fn candidate_offsets(half_width: f64, nominal: f64) -> Vec<f64> {
+    // Within this of the middle, the whole car is on the carriageway.
     let reach = (half_width - CAR_HALF_WIDTH_M).max(0.0);
     let tries = (2.0 * reach / OFFSET_STEP_M) as usize + 1;
     let mut candidates: Vec<f64> = (0..=tries)
@@ -280,6 +293,8 @@ fn farthest_from(nominal: f64, values: &[f64]) -> f64 {
 
 /// Whether a car's width fits at a point of its lane.
 fn is_clear(point: MapPoint, ground: &Ground) -> bool {
+    // Clearances count to where a person no longer fits, which is a person's radius before an
+    // obstacle.
     ground.clearance(point).distance >= CAR_HALF_WIDTH_M + BESIDE_M - PERSON_RADIUS_M
 }
 
@@ -299,6 +314,7 @@ fn clear_lanes(
             piece: Piece::new(part, limit),
             from,
             to,
+            // The caller knows the street and sets it.
             street: 0,
         })
     };
@@ -308,6 +324,8 @@ fn clear_lanes(
         return whole.into_iter().collect();
     };
     let last = points.iter().rposition(is_blocked).unwrap_or(first);
+    // Cars drive up to the obstacle, or come in behind it; between two obstacles no car would ever
+    // be.
     let begin = lane(0..first, Some(from), None, SHORTEST_LANE_M);
     let end = lane(last + 1..points.len(), None, Some(to), SHORTEST_LANE_M);
     begin.into_iter().chain(end).collect()
@@ -322,6 +340,7 @@ fn turn(a: &Piece, b: &Piece, ground: &Ground) -> Option<Piece> {
         return None;
     }
     let line = bezier(from, to, away);
+    // The curve's own limit is lower where it bends: `Piece::new` sees to it.
     let limit = a.speed(a.length).max(b.speed(0.0));
     line.iter()
         .all(|p| is_clear(*p, ground))
@@ -330,6 +349,7 @@ fn turn(a: &Piece, b: &Piece, ground: &Ground) -> Option<Piece> {
 
 /// A cubic Bézier curve between two poses that are `away` metres apart.
 fn bezier(from: Pose2, to: Pose2, away: f64) -> Vec<MapPoint> {
+    // At right angles this is nearly a circular arc, whose handles are 0.39 of the chord.
     let reach = 0.4 * away;
     let (c, d) = (from.transform(reach, 0.0), to.transform(-reach, 0.0));
     let steps = (2.0 * away).ceil().max(4.0) as usize;

@@ -167,6 +167,7 @@ pub(super) fn distance(robot: &RobotState, mover: &Mover) -> f64 {
 /// Seconds until the hulls meet if both keep their velocities; infinite if they do not, 0 when they
 /// touch. A car's corners count as square when the robot's radius is added to them.
 fn time_to_collision(robot: &RobotState, mover: &Mover) -> f64 {
+    // Seen from the mover, which then stands: only relative motion matters.
     let velocity = [0, 1].map(|k| robot.velocity[k] - mover.velocity[k]);
     match mover.hull {
         Hull::Disc { radius } => {
@@ -179,6 +180,8 @@ fn time_to_collision(robot: &RobotState, mover: &Mover) -> f64 {
             half_width,
         } => {
             let (x, y) = mover.pose.inverse_transform(robot.position);
+            // The velocity as an arrow from the car's place: in the car's axes its tip is the
+            // velocity there.
             let tip = MapPoint::new(mover.pose.x + velocity[0], mover.pose.y + velocity[1]);
             let (u, v) = mover.pose.inverse_transform(tip);
             let half = [half_length + robot.radius, half_width + robot.radius];
@@ -195,6 +198,7 @@ fn time_to_disc(from: [f64; 2], velocity: [f64; 2], radius: f64) -> f64 {
     if outside <= 0.0 {
         return 0.0;
     }
+    // The lower root of |p + v t|² = r², with p · v = `approach` and |p|² - r² = `outside`.
     let root = approach * approach - square * outside;
     if approach >= 0.0 || root < 0.0 || square < 1e-12 {
         return f64::INFINITY;
@@ -204,8 +208,11 @@ fn time_to_disc(from: [f64; 2], velocity: [f64; 2], radius: f64) -> f64 {
 
 /// Seconds until a point at `from` reaches a rectangle about the origin with these half sides.
 fn time_to_box(from: [f64; 2], velocity: [f64; 2], half: [f64; 2]) -> f64 {
+    // Slabs: the point is inside the rectangle while it is between both pairs of sides. `enters`
+    // begins at 0, so a point inside needs no time.
     let (mut enters, mut leaves) = (0.0_f64, f64::INFINITY);
     for k in 0..2 {
+        // Along this axis nothing changes: the point is between the sides for ever, or never.
         if velocity[k].abs() < 1e-9 {
             if from[k].abs() > half[k] {
                 return f64::INFINITY;

@@ -183,6 +183,7 @@ impl Traffic {
 
     fn update_movers(&mut self) {
         let (people, cars) = self.movers.split_at_mut(self.pedestrians.people.len());
+        // The number of a mover selects its figure, so it looks the same for its whole life.
         for (look, (mover, person)) in
             (0_u32..).zip(people.iter_mut().zip(&self.pedestrians.people))
         {
@@ -200,6 +201,7 @@ impl Traffic {
         }
         let hulls = self.cars.cars.iter().zip(&self.cars.hulls);
         for (look, (mover, (car, hull))) in (0_u32..).zip(cars.iter_mut().zip(hulls)) {
+            // Cars move along their heading.
             let (sin, cos) = libm::sincos(hull.pose.yaw);
             *mover = Mover {
                 kind: MoverKind::Car,

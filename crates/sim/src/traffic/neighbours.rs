@@ -50,6 +50,7 @@ impl Neighbours {
                 index: index as u32,
             });
         }
+        // A power of two, so that a mask takes the place of a division.
         let buckets = (2 * self.unsorted.len()).next_power_of_two();
         self.first.clear();
         self.first.resize(buckets + 1, 0);
@@ -69,6 +70,8 @@ impl Neighbours {
             *end -= 1;
             self.entries[*end as usize] = entry;
         }
+        // Each begin stands one place too far right now; the first place held a 0 that nobody
+        // needs.
         self.first.rotate_left(1);
         self.first[buckets] = self.entries.len() as u32;
     }
@@ -81,6 +84,7 @@ impl Neighbours {
         }
         let Cell { column, row } = self.cell_of(point);
         let buckets = self.first.len() - 1;
+        // Saturating, since casts of absurd coordinates end at the bounds of the integers.
         for row in row.saturating_sub(1)..=row.saturating_add(1) {
             for column in column.saturating_sub(1)..=column.saturating_add(1) {
                 let cell = Cell { column, row };
@@ -88,6 +92,7 @@ impl Neighbours {
                 let range = self.first[bucket] as usize..self.first[bucket + 1] as usize;
                 for entry in self.entries[range]
                     .iter()
+                    // Different cells may share a bucket.
                     .filter(|entry| entry.cell == cell)
                 {
                     visit(entry.index as usize);

@@ -50,6 +50,7 @@ impl LanePoint {
         } = body;
         let (sin, cos) = (self.sin, self.cos);
         let (dx, dy) = (position.x - self.pose.x, position.y - self.pose.y);
+        // In the axes of the lane at this point.
         let (forward, left) = (cos * dx + sin * dy, cos * dy - sin * dx);
         if !(-REACH_M..=REACH_M).contains(&forward) || left.abs() > WIDTH_M {
             return None;
@@ -57,6 +58,7 @@ impl LanePoint {
         let across = cos * velocity[1] - sin * velocity[0];
         let gap = self.run + forward - CAR_HALF_LENGTH_M - radius;
         let touches = left.abs() < CAR_HALF_WIDTH_M + radius;
+        // A body that comes towards the car counts as standing: leaders do not drive backwards.
         let speed = (cos * velocity[0] + sin * velocity[1]).max(0.0);
         let obstructs = touches || (gap > -0.5 && enters_lane(left, across, radius));
         obstructs.then_some(Leader { gap, speed })
@@ -68,6 +70,7 @@ impl LanePoint {
 fn enters_lane(left: f64, across: f64, radius: f64) -> bool {
     let half = CAR_HALF_WIDTH_M + ASIDE_M + radius;
     let later = left + across * ABOUT_TO_S;
+    // Towards the middle of the lane; by then the body may be on it, or already beyond it.
     let enters = across.abs() > ABOUT_TO_SPEED && across * left < 0.0;
     left.abs() < half || (enters && (later.abs() < half || later * left < 0.0))
 }

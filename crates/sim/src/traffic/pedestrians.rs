@@ -110,6 +110,7 @@ impl Pedestrians {
             people: Vec::new(),
             near: Neighbours::new(SIGHT_M),
             footways,
+            // A stand-in: the draws below need the numbers while `all` is borrowed.
             noise: noise.clone(),
             accelerations: vec![],
         };
@@ -153,12 +154,15 @@ impl Pedestrians {
             self.follow_path(i, dt);
         }
         for i in 0..self.people.len() {
+            // All decide by the same instant before any of them moves.
             self.accelerations[i] = self.acceleration(i, around);
         }
         for (person, acceleration) in self.people.iter_mut().zip(&self.accelerations) {
             person.walk(dt, *acceleration, around.ground);
         }
         self.update_neighbours();
+        // Moving one pair apart may push one of them into a third. A round shifts a body by 10 cm
+        // at most, so the neighbours found before still hold.
         for _ in 0..PUSH_ROUNDS {
             self.push_apart(around);
         }
@@ -172,9 +176,11 @@ impl Pedestrians {
             person.next += 1;
         }
         person.patience.age += dt;
+        // Progress is judged over whole intervals of patience, not from step to step: people sway.
         let waited = person.patience.age > PATIENCE_S;
         let stuck = waited && person.patience.from.distance(person.position) < PATIENCE_M;
         if person.next == person.path.len() || stuck {
+            // The place that was passed last: from there a path leads on without a detour.
             let last = person.path[person.next - 1];
             self.footways
                 .journey(last, &mut self.noise, &mut person.path);
@@ -199,6 +205,7 @@ impl Pedestrians {
         let body = person.body();
         let heading = person.heading(&self.footways, ground);
         let waits = person.waits(heading, ground, cars, near_cars);
+        // A person who waits keeps all repulsions, and is driven towards standing.
         let speed = if waits { 0.0 } else { person.desired };
         let mut sum = social_force::drive(body, heading, speed);
         self.near.near(person.position, |j| {
@@ -220,6 +227,7 @@ impl Pedestrians {
         near_cars.near(person.position, |c| {
             add(&mut sum, social_force::from_car(body, &cars[c]));
         });
+        // Repulsions from several sides add up to more than legs can do.
         let size = libm::hypot(sum[0], sum[1]);
         if size > MAX_ACCELERATION {
             sum.map(|v| v * MAX_ACCELERATION / size)
@@ -241,6 +249,8 @@ impl Pedestrians {
             let mut shift = [0.0; 2];
             self.near.near(body.position, |j| {
                 if j != i {
+                    // By half, as the other moves by the other half in its own turn. Robot and cars
+                    // do not give way.
                     add(&mut shift, push(body, self.people[j].body(), 0.5));
                 }
             });
@@ -272,6 +282,7 @@ fn push(body: Body, other: Body, share: f64) -> [f64; 2] {
         body.position.y - other.position.y,
     );
     let away = libm::hypot(dx, dy);
+    // Bodies at one point have no direction in which they part.
     if away < reach && away > 1e-6 {
         let by = share * (reach - away) / away;
         [by * dx, by * dy]
@@ -288,6 +299,7 @@ impl Person {
         Self {
             position,
             velocity: [0.0; 2],
+            // A path that begins and ends at one place has no second one.
             yaw: position.bearing_to(footways.point(path[1.min(path.len() - 1)])),
             radius: 0.2 + (PERSON_RADIUS_M - 0.2) * noise.uniform(),
             gait: noise.uniform(),
@@ -320,6 +332,7 @@ impl Person {
             .get(self.next + 1)
             .map_or(place, |p| footways.point(*p));
         let ahead = dx * (after.x - place.x) + dy * (after.y - place.y);
+        // Within 0.7 m, or within 2 m if going there would mean going back.
         square < 0.5 || (square < 4.0 && ahead < 0.0)
     }
 
@@ -336,6 +349,7 @@ impl Person {
         let along = [(to.x - from.x) / length, (to.y - from.y) / length];
         let right = self.side * (footways.half_width(next) - PERSON_RADIUS_M).max(0.0);
         let aside = MapPoint::new(to.x + along[1] * right, to.y - along[0] * right);
+        // Where the side is blocked, people go through the middle.
         let target = if ground.clearance(aside).distance > 0.1 {
             aside
         } else {
@@ -349,6 +363,7 @@ impl Person {
         if (0.0..LOOK_AHEAD_M).contains(&ahead) && off < LOOK_AHEAD_M {
             (0..2).for_each(|k| toward[k] += (LOOK_AHEAD_M - ahead) * along[k]);
         }
+        // At the target itself the vector fades instead of turning at random.
         let away = libm::hypot(toward[0], toward[1]).max(0.1);
         toward.map(|t| t / away)
     }
@@ -386,6 +401,7 @@ impl Person {
             return false;
         }
         let (forward, left) = car.pose.inverse_transform(self.position);
+        // Distance ahead of the bumper, in the car's axes.
         let front = forward - car.half_length;
         let far = front > car.speed * GAP_S;
         let passed = front < -2.0 * car.half_length - 0.5;
@@ -396,6 +412,7 @@ impl Person {
         let (_, later) = car.pose.inverse_transform(self.ahead(heading, 2.0));
         let beside = left.abs() > car.half_width + self.radius;
         let into = soon.abs() < car.half_width + 0.5 || soon * left < 0.0;
+        // A person who is already in the car's path walks on, and out of it.
         (beside && into) || (at_kerb && later.abs() < 4.0)
     }
 
@@ -408,6 +425,7 @@ impl Person {
         }
         let before = self.position;
         self.shift(self.velocity.map(|v| v * dt), ground);
+        // By the distance really covered: feet do not walk on the spot against a wall.
         let walked = before.distance(self.position);
         self.gait = (self.gait + walked / STRIDE_M).fract();
         if speed > TURNING_SPEED {

@@ -38,11 +38,15 @@ impl Piece {
         let points = resampled(line, SPACING_M);
         let length = length(&points);
         let spacing = length / (points.len() - 1) as f64;
+        // First what each bend allows, then what braking before it requires.
         let mut speeds = vec![limit; points.len()];
         for i in 2..points.len().saturating_sub(2) {
+            // Over two segments on either side, since single bearings of resampled points are
+            // noisy. The middles of the two stretches are two spacings apart.
             let turn = points[i].bearing_to(points[i + 2]) - points[i - 2].bearing_to(points[i]);
             let curvature = wrap_angle(turn).abs() / (2.0 * spacing);
             speeds[i] = limit
+                // The lateral acceleration is v² times the curvature.
                 .min((LATERAL / curvature.max(1e-3)).sqrt())
                 .max(SLOWEST);
         }
@@ -61,9 +65,11 @@ impl Piece {
 
     /// Pose of a car that has driven `s` metres on this piece.
     pub fn pose(&self, s: f64) -> Pose2 {
+        // Below the last point, so that a segment begins at `i`.
         let at = (s / self.spacing).clamp(0.0, (self.points.len() - 1) as f64 - 1e-9);
         let (i, share) = (at as usize, at.fract());
         let (a, b) = (self.points[i], self.points[i + 1]);
+        // Headings of segments jump at points; a car's heading must not.
         let here = a.bearing_to(b);
         // Headings change gradually from the middle of one segment to the middle of the next.
         let (j, part) = if share < 0.5 {

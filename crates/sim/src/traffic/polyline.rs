@@ -40,11 +40,13 @@ pub(super) fn trimmed(line: &[MapPoint], begin: f64, end: f64) -> Vec<MapPoint> 
 /// The same line with points at equal distances of about `spacing` metres; two points or more.
 pub(super) fn resampled(line: &[MapPoint], spacing: f64) -> Vec<MapPoint> {
     let whole = length(line);
+    // The bound keeps absurd lengths from filling memory.
     let steps = (whole / spacing).round().clamp(1.0, 100_000.0) as usize;
     let mut points = Vec::with_capacity(steps + 1);
     let (mut i, mut before) = (0, 0.0);
     for k in 0..=steps {
         let run = whole * k as f64 / steps as f64;
+        // The last segment is never left, so that rounding at the end finds one.
         while i + 2 < line.len() && before + line[i].distance(line[i + 1]) < run {
             before += line[i].distance(line[i + 1]);
             i += 1;
@@ -56,6 +58,7 @@ pub(super) fn resampled(line: &[MapPoint], spacing: f64) -> Vec<MapPoint> {
 
 /// The line's point number `i` moved `offset` metres to the left of its neighbours' direction.
 pub(super) fn offset_point(line: &[MapPoint], i: usize, offset: f64) -> MapPoint {
+    // At the ends there is one neighbour only, and the point itself stands for the other.
     let (a, b) = (line[i.max(1) - 1], line[(i + 1).min(line.len() - 1)]);
     let length = a.distance(b).max(SHORTEST_M);
     MapPoint::new(

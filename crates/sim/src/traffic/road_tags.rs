@@ -53,6 +53,7 @@ pub(super) fn carriageway(tags: &Tags) -> Option<Carriageway> {
     let highway = tags.get("highway").filter(|_| is_on_the_ground(tags))?;
     let highway = highway.strip_suffix("_link").unwrap_or(highway);
     let usual = usual(highway, tags)?;
+    // The most specific key that is present decides.
     let keys = ["motorcar", "motor_vehicle", "vehicle", "access"];
     if keys.iter().find_map(|key| tags.get(key)) == Some("no") {
         return None;
@@ -60,6 +61,7 @@ pub(super) fn carriageway(tags: &Tags) -> Option<Carriageway> {
     let lanes = number(tags, "lanes")
         .filter(|l| (1.0..=8.0).contains(l))
         .map(|l| LANE_M * l);
+    // Numbers beyond these bounds are taken for mistakes.
     let tagged = number(tags, "width").filter(|w| (2.0..=40.0).contains(w));
     let half_width = tagged.or(lanes).unwrap_or(usual.width) / 2.0;
     let Directions { forward, backward } = directions(tags, highway);
@@ -148,11 +150,13 @@ fn directions(tags: &Tags, highway: &str) -> Directions {
 fn walkers(tags: &Tags, half_width: f64) -> Walkers {
     let paved = Some(half_width + PAVEMENT_M / 2.0);
     let verge = Some(half_width + VERGE_M);
+    // Such streets usually have no pavement.
     let narrow = ["service", "living_street"]
         .iter()
         .any(|h| tags.is("highway", h));
     let usual = if narrow { verge } else { paved };
     match tags.get("sidewalk") {
+        // Those pavements are ways of their own, and people walk on them.
         Some("separate") => Walkers::default(),
         Some("no" | "none") => Walkers {
             left: verge,
@@ -192,6 +196,7 @@ fn max_speed(tags: &Tags) -> Option<f64> {
         Some(miles) => (miles, KM_PER_MILE),
         None => (text, 1.0),
     };
+    // Other values, such as `none` or `DE:urban`, leave the usual limit.
     let value: f64 = digits.trim().parse().ok()?;
     (value.is_finite() && value > 0.0).then_some(value * scale)
 }

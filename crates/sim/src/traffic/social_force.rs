@@ -104,6 +104,7 @@ pub(super) fn from_body(body: Body, heading: [f64; 2], other: Body) -> [f64; 2] 
     // At least 10 cm: for bodies on one another the force would have no bound.
     let b = (sum * sum - y[0] * y[0] - y[1] * y[1]).max(0.04).sqrt() / 2.0;
     let rims = b - (body.radius + other.radius - 2.0 * PERSON_RADIUS_M);
+    // `d` points from the other to this body, hence the sign.
     let in_sight = -(d[0] * heading[0] + d[1] * heading[1]) >= BACK_COSINE * away;
     let weight = if in_sight { 1.0 } else { BEHIND };
     let force = PEOPLE.strength * libm::exp(-rims / PEOPLE.range) * sum / (4.0 * b);

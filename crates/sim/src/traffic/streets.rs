@@ -28,6 +28,8 @@ impl Junction {
     pub fn setback(&self) -> f64 {
         let widest = self.arms.iter().copied().fold(0.0, f64::max);
         match self.arms.len() {
+            // A dead end, a road that goes on as another, and a crossing, which begins beyond its
+            // widest road.
             0 | 1 => 0.0,
             2 => 1.5,
             _ => widest + 2.5,
@@ -51,6 +53,7 @@ impl StreetNetwork {
         for (road, carriageway) in carriageways(map) {
             let mut begin = 0;
             for i in 1..road.nodes.len() {
+                // Two arms at an inner node are this road itself, which goes on.
                 if i + 1 < road.nodes.len() && arms[&road.nodes[i]].len() == 2 {
                     continue;
                 }

@@ -74,6 +74,7 @@ impl WalkGraph {
         pairs.extend(mirrored);
         pairs.sort_unstable();
         pairs.dedup();
+        // Sorted by their first place, the links of a place are next to each other.
         let mut first_link = vec![0_u32; places.len() + 1];
         pairs
             .iter()
@@ -158,6 +159,7 @@ impl WalkGraph {
         let search = &mut self.search;
         search.number += 1;
         search.settled.clear();
+        // The last search may have stopped early; emptied, the buffer keeps its memory.
         while search.frontier.pop().is_some() {}
         search.visits[from as usize] = Visit {
             search: search.number,
@@ -169,6 +171,7 @@ impl WalkGraph {
             if cost > length {
                 break;
             }
+            // An entry from before a shorter path to this place was found.
             if cost > search.visits[place].cost {
                 continue;
             }
@@ -198,6 +201,7 @@ impl WalkGraph {
             if visited[start as usize] {
                 continue;
             }
+            // Breadth first: `members` is the queue and the result at once.
             let mut members = vec![start];
             visited[start as usize] = true;
             let mut next = 0;

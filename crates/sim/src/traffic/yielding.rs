@@ -59,6 +59,7 @@ impl RobotWatch {
     /// Takes in an instant, `dt` seconds after the last. `drives` tells whether the robot's wheels
     /// turn: if not, it moves because it is pushed. `movers` must keep their order.
     pub(crate) fn update(&mut self, dt: f64, robot: &RobotState, drives: bool, movers: &[Mover]) {
+        // At the first instant the robot has not moved.
         let before = self.robot.replace(robot.position).unwrap_or(robot.position);
         let moved = [robot.position.x - before.x, robot.position.y - before.y];
         let speed = libm::hypot(robot.velocity[0], robot.velocity[1]);
@@ -67,22 +68,28 @@ impl RobotWatch {
         for (mover, watched) in movers.iter().zip(&mut self.watched) {
             watched.blame = (watched.blame - dt).max(0.0);
             watched.grace = (watched.grace - dt).max(0.0);
+            // Blame outlasts the path for a moment, since a contact changes it.
             if !lies_in_path(robot.position, robot.radius, mover, FAR_M) {
                 watched.elsewhere += dt;
                 continue;
             }
+            // Where the robot was, in the path as it is now: so it moved in, rather than the path.
             let from_aside = !lies_in_path(before, robot.radius, mover, FAR_M);
+            // Half a step of tolerance, here and below: times are sums of steps.
             let swung = !from_aside && watched.elsewhere > SWAY_S - dt / 2.0;
             watched.elsewhere = 0.0;
             if swung {
                 watched.grace = time_to_stop;
             }
             let [u, v] = mover.velocity;
+            // Not divided by zero: a mover with a path is faster than STANDING_SPEED.
             let approach = -(moved[0] * u + moved[1] * v) / libm::hypot(u, v);
             let against = approach > STANDING_SPEED * dt;
+            // A robot whose wheels stand is pushed, and enters nothing.
             let enters = drives && (from_aside || against && watched.grace < dt / 2.0);
             let cannot_stop =
                 lies_in_path(robot.position, robot.radius, mover, braking_distance(mover));
+            // Once to blame, the robot stays so while it is within the braking distance.
             if cannot_stop && (watched.blame > 0.0 || enters) {
                 watched.blame = BLAME_S;
             }
@@ -100,6 +107,7 @@ impl RobotWatch {
             .zip(&self.watched)
             .filter(|(m, _)| m.present && m.kind == kind);
         let apart = |mover: &Mover| distance_to_path(robot, mover, 0.0);
+        // A contact names a class and no mover: the one that touches the robot is the nearest.
         let nearest = candidates.min_by(|a, b| apart(a.0).total_cmp(&apart(b.0)));
         nearest.is_some_and(|(_, watched)| watched.blame > 0.0)
     }

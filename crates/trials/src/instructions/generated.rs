@@ -122,6 +122,8 @@ pub fn generated(split: Split, seed: u64) -> Vec<Case> {
             Split::Test => (&language.test, "test"),
             Split::Unseen => break,
         };
+        // A stream for each language and split, so that a new template changes no other language. A
+        // language takes the bits from 32, the split bit 40: they do not overlap.
         let mut rng = Pcg64Mcg::seed_from_u64(
             seed ^ (stream << 32) ^ (u64::from(split == Split::Test) << 40),
         );
@@ -142,6 +144,7 @@ pub fn generated(split: Split, seed: u64) -> Vec<Case> {
 impl Language {
     /// A case from a template, without id and language.
     fn fill(&self, template: &Template, templates: &Templates, rng: &mut Pcg64Mcg) -> Case {
+        // Templates number their doors from 1 without gaps, so the largest number is the count.
         let count = (1..=MAX_DOORS)
             .rev()
             .find(|k| names(&template.text, *k))
@@ -164,6 +167,8 @@ impl Language {
                 .replace(&format!("{{b{k}}}"), &building)
                 .replace(&format!("{{u{k}}}"), &unit);
         }
+        // After the addresses: the article that contracts, as in `de le` to `du`, begins an
+        // address.
         for (apart, together) in &self.contractions {
             instruction = instruction.replace(apart, together);
         }
@@ -173,6 +178,7 @@ impl Language {
         } else {
             &template.deliver
         };
+        // `before` has the numbers of doors, the case has indices into its deliveries.
         let place = |door: usize| deliver.iter().position(|d| *d == door);
         let before = template
             .before
@@ -209,6 +215,8 @@ fn names(text: &str, k: usize) -> bool {
 /// Draws different doors.
 fn doors(template: &Template, count: usize, rng: &mut Pcg64Mcg) -> Vec<Door> {
     let mut doors: Vec<Door> = Vec::new();
+    // There are always enough: a template has at most four doors, and none asks for one building
+    // and one unit at once.
     while doors.len() < count {
         // Both numbers are drawn even where the first door determines one, since the files of the
         // data set were generated so.

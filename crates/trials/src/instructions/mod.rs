@@ -202,6 +202,7 @@ pub fn read(path: &Path) -> Result<Vec<Case>, InstructionsError> {
     }
     let text = std::fs::read_to_string(path).map_err(failed)?;
     let name = path.display().to_string();
+    // A line of a file of lines begins with a brace.
     if !text.trim_start().starts_with('[') {
         return read_lines(&text, &name);
     }
@@ -244,6 +245,7 @@ fn numbered(
         if case.id.is_empty() {
             case.id = number.to_string();
         }
+        // Wrong plans are listed by the id of their case.
         if !seen.insert(case.id.clone()) {
             return Err(bad(format!("the id `{}` is not unique", case.id)));
         }
@@ -258,6 +260,7 @@ fn numbered(
                  number of deliveries, {count}"
             )));
         }
+        // An ambiguous instruction has no correct door, and any other has one.
         if case.deliveries.is_empty() != case.ambiguous {
             return Err(bad(
                 "give either deliveries, or `ambiguous`: true and no deliveries".to_owned(),

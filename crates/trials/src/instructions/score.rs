@@ -100,6 +100,7 @@ pub fn score(
     map: Option<&OsmMap>,
     mut done: impl FnMut(),
 ) -> Scores {
+    // A case without any map is planned on an empty one.
     let nowhere = OsmMap::new(
         &OsmData::default(),
         Georeference::tangent_plane(LonLat::default()),
@@ -181,6 +182,7 @@ fn is_right(case: &Case, plan: &Plan, map: Option<&OsmMap>) -> bool {
         return matches!(&plan.deliveries[..], [one] if one.problem.is_some());
     }
     let planned: Vec<Address> = plan.deliveries.iter().map(|d| d.address()).collect();
+    // By the building alone: a question about a unit of a known building counts as well.
     let has = |name: &str| {
         let building = Address {
             building: name.to_owned(),

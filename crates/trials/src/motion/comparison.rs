@@ -39,6 +39,7 @@ pub fn planners() -> LocalPlanners {
 /// A planner that is compared, ordered as listed and serialized as its name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PlannerKind {
+    // The first field, so that the derived order is that of the list.
     place: usize,
     name: String,
 }
@@ -240,6 +241,7 @@ fn decided(number: usize, seed: u64, robot: &RobotDescription) -> Result<Decided
         // In the upper half, so that the redrawn scenes of neighbouring seeds differ.
         let scene = scene(number, seed.wrapping_add(draw << 32), robot)
             .map_err(|source| ComparisonError::Scene { number, source })?;
+        // A new draw if nothing is known about this one: no drive through it could be judged.
         match reference_motion(&scene, robot) {
             Some(Reference::Unknown) | None => {}
             Some(known) => {
@@ -282,6 +284,7 @@ fn outcome(
             Ok(PlannerDrive { planner, drive })
         })
         .collect::<Result<Vec<_>, ComparisonError>>()?;
+    // A drive can be faster than the search, so drives and their improvements count as well.
     let best = match known {
         Reference::Motion(ReferenceMotion { arrival_s, .. }) => {
             Some(fastest(arrival_s, &drives, |drive| {
@@ -369,6 +372,7 @@ fn judged<'a>(
 
 fn row<'a>(drives: impl Iterator<Item = Judged<'a>>) -> Row {
     let mut row = Row::default();
+    // CPU times count in all drives, times and swerves in those that reached the goal.
     let (mut cycles, mut ratios, mut swerves) = (Vec::new(), Vec::new(), 0);
     for Judged { best, drive } in drives {
         cycles.extend(&drive.cycles);
@@ -431,6 +435,7 @@ fn failures(outcome: &SceneOutcome) -> Vec<Failure> {
 
 /// Description of the failure of a drive; `None` if it is as it should be.
 fn failure(best: Option<f64>, drive: &Drive) -> Option<String> {
+    // A collision is a failure however the drive ended.
     if drive.collisions > 0 {
         return Some(format!(
             "collisions: {}, maximum penetration {:.3} m",

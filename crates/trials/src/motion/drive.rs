@@ -104,6 +104,7 @@ struct Timed {
 
 impl LocalPlanner for Timed {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
+        // CPU time of this thread: other scenes are driven on other threads at the same time.
         let began = ThreadTime::now();
         let decided = self.planner.plan(situation);
         self.cycles
@@ -112,6 +113,7 @@ impl LocalPlanner for Timed {
         decided
     }
 
+    // Passed on: the trait's default would replace the planner's own rules for people.
     fn limit_near_people(&self, situation: &Situation<'_>, velocity: Velocity) -> Velocity {
         self.planner.limit_near_people(situation, velocity)
     }
@@ -146,6 +148,7 @@ pub fn drive(
     planner: Box<dyn LocalPlanner>,
 ) -> Result<Drive, NavigatorError> {
     let (footprint, limits) = (Footprint::of(robot)?, Limits::of(robot)?);
+    // Shared, since the navigator owns the planner, and the times are read after the drive.
     let cycles = Rc::new(RefCell::new(Vec::new()));
     let mut navigator = Navigator::new(
         robot,
@@ -182,10 +185,13 @@ pub fn drive(
             .jump
             .filter(|j| time >= j.at)
             .map_or(Vector2::ZERO, |j| j.by);
+        // Obstacles are measured relative to the robot: they jump together with its estimated pose.
         let seen = seen(scene, motion.pose, time, by);
         let pose = Pose2::new(motion.pose.x + by.x, motion.pose.y + by.y, motion.pose.yaw);
         // The true pose: the estimate's jump is not the robot's.
         drive.track.push(motion.pose);
+        // Moving obstacles are left to the local planner: paths are searched among obstacles where
+        // they are now.
         let standing = seen.iter().filter(|o| !o.is_moving()).cloned().collect();
         let mut guide = SceneGuide {
             explorer: &mut explorer,
@@ -202,6 +208,8 @@ pub fn drive(
         motion.command = match navigator.drive(&surroundings, &mut guide) {
             Navigation::Drive(velocity) => velocity,
             Navigation::Arrived => {
+                // By the estimate, in whose frame the goal is. The reference motion gets a goal
+                // that is moved by the jump instead.
                 let there = is_there(pose, scene.goal);
                 (drive.end, drive.seconds) =
                     (if there { End::Reached } else { End::Mistaken }, time);
@@ -215,6 +223,7 @@ pub fn drive(
         for step in 0..STEPS_PER_CYCLE {
             let dt = CYCLE_S / STEPS_PER_CYCLE as f64;
             motion.step(&limits, dt);
+            // After the step, so that pose and time belong together.
             touch.look(motion.pose, time + (step + 1) as f64 * dt);
         }
         if motion.velocity.angular.abs() > SWERVE_RATE_RAD_PER_S {
@@ -276,10 +285,12 @@ impl<'a> Touch<'a> {
 
     fn look(&mut self, pose: Pose2, time: f64) {
         let clear = clearance(self.footprint, self.scene.obstacles.iter(), pose, time, 1.0);
+        // The floor is the shallowest penetration so far: a deeper one is a new contact.
         let touches = clear < self.floor - CONTACT_TOLERANCE_M;
         self.count += usize::from(touches && !self.touching);
         self.touching = touches;
         self.deepest = self.deepest.max(self.floor - clear);
+        // The floor only rises: a contact that the robot has left must not come back.
         self.floor = 0.0_f64.min(self.floor.max(clear));
     }
 }

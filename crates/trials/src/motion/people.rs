@@ -112,6 +112,8 @@ pub fn drive(
             Ok::<_, BenchError>(part)
         },
     )?;
+    // Of the first drive, which has the seed of the request. Others may have space for a different
+    // number.
     let traffic = prepared
         .traffic(request.seed)
         .map(|t| t.placed())
@@ -137,6 +139,7 @@ fn one(
 }
 
 fn sum(traffic: TrafficPlan, parts: impl Iterator<Item = PeopleResult>) -> PeopleResult {
+    // The parts are in the order of their numbers, so the sums do not depend on the threads.
     parts.fold(nothing(traffic), |sum, part| PeopleResult {
         traffic,
         metres: sum.metres + part.metres,
@@ -194,6 +197,7 @@ impl<'a> Course<'a> {
             None,
             world.start.point(),
             robot,
+            // All ground alike, as OPEN drives by default.
             Preferences::NONE,
         )
         .map_err(BenchError::world)
@@ -212,6 +216,7 @@ impl<'a> Course<'a> {
         } else {
             &others
         };
+        // The minimum keeps the index in range, however the product is rounded.
         from[((noise.uniform() * from.len() as f64) as usize).min(from.len() - 1)]
     }
 }
@@ -246,6 +251,7 @@ impl<'a> Ride<'a> {
     ) -> Result<Self, BenchError> {
         let (prepared, handle) = (course.prepared, TruthHandle::default());
         let simulator = prepared.simulator(seed)?;
+        // The localizer is asked for a pose before the first step.
         handle.set(simulator.time(), pose(&simulator));
         let driver = Driver::new(course.terrain()?, prepared.robot.clone(), planner);
         Ok(Self {
@@ -304,6 +310,7 @@ impl<'a> Ride<'a> {
             self.driver.set_target(Target {
                 point,
                 yaw: None,
+                // However long the path is: distance is what the drive is for.
                 must: true,
             });
         }

@@ -26,6 +26,7 @@ pub fn picture(scene: &Scene, drive: &Drive, robot: &RobotDescription) -> String
         low = MapPoint::new(low.x.min(p.x), low.y.min(p.y));
         high = MapPoint::new(high.x.max(p.x), high.y.max(p.y));
     }
+    // The group below turns y upwards, so the view box has the negative of the map's y.
     let (x, y) = (low.x - MARGIN_M, -high.y - MARGIN_M);
     let (width, height) = (
         high.x - low.x + 2.0 * MARGIN_M,
@@ -44,6 +45,7 @@ pub fn picture(scene: &Scene, drive: &Drive, robot: &RobotDescription) -> String
     }
     outline(&mut svg, robot, scene.start, "#2f855a");
     outline(&mut svg, robot, scene.goal, "#c53030");
+    // The outline alone does not show where the front is.
     let nose = scene.goal.transform(robot.length / 2.0, 0.0);
     let _ = writeln!(
         svg,
@@ -62,6 +64,7 @@ fn obstacle(svg: &mut String, obstacle: &Obstacle) {
         "#a0aec0"
     };
     let corners: Vec<MapPoint> = corners.collect();
+    // Half of a stroke's width lies outside the polygon: it widens the polygon by the rounding.
     let width = (2.0 * rounding).max(0.02);
     if let [middle] = corners[..] {
         let (x, y) = (middle.x, middle.y);
@@ -69,6 +72,7 @@ fn obstacle(svg: &mut String, obstacle: &Obstacle) {
             svg,
             "<circle cx=\"{x:.3}\" cy=\"{y:.3}\" r=\"{rounding:.3}\" fill=\"{color}\"/>"
         );
+        // The line is the distance covered in a second.
         let Vector2 { x: vx, y: vy } = obstacle.velocity();
         let _ = writeln!(
             svg,

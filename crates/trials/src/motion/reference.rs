@@ -74,6 +74,8 @@ pub struct ReferenceMotion {
 /// limits. A jump of the pose estimate is regarded as known from the start.
 pub fn reference_motion(scene: &Scene, robot: &RobotDescription) -> Option<Reference> {
     let (footprint, limits) = (Footprint::of(robot).ok()?, Limits::of(robot).ok()?);
+    // Every draft is improved and timed, and the earliest arrival is kept. Only if none is left,
+    // a proof is tried: a motion makes it needless.
     let search = Search {
         scene,
         footprint: &footprint,
@@ -113,6 +115,7 @@ pub fn improved_duration(
         goal: true_goal(scene),
     };
     let mut knots: Vec<TimedPose> = Vec::with_capacity(track.len());
+    // Trajectories take the difference of two yaws as the turn, so the yaw must not wrap.
     for (i, &pose) in track.iter().enumerate() {
         let yaw = knots
             .last()
@@ -149,6 +152,9 @@ impl Search<'_> {
                 horizon: 2.0,
                 most: 400,
             },
+            // Only time counts: comfort, smoothness and preferences have no weight. Limits and
+            // obstacles have ten times their default or more, since a motion that violates them is
+            // rejected.
             weights: Weights {
                 length: 0.0,
                 speed: 4000.0,
@@ -174,6 +180,8 @@ impl Search<'_> {
             .cloned()
             .collect();
         let moving = static_obstacles.len() < obstacles.len();
+        // The smallest radius that could fit: where the footprint does not, `is_clear` rejects the
+        // motion.
         let how = Exploring {
             cell: 0.05,
             around: 2.5,
@@ -198,12 +206,16 @@ impl Search<'_> {
                 let plain = along(&path.corners[1..]);
                 drafts.extend(plain.as_ref().and_then(with_opposite_last_turn));
                 drafts.extend(plain);
+                // Classes exist around static obstacles only. Moving ones are passed before, behind
+                // or after a wait, which offsets and delays propose.
                 if moving {
                     let shifted = OFFSETS_M
                         .iter()
                         .filter_map(|offset| along(&offset_path(&path.corners, *offset)));
                     drafts.extend(shifted.flat_map(|trajectory| {
                         DRAFT_WAITS_S
+                            // `delayed` has no result for a wait of 0, which is the trajectory
+                            // itself.
                             .map(|wait| trajectory.delayed(wait).unwrap_or(trajectory.clone()))
                     }));
                 }
@@ -231,6 +243,7 @@ impl Search<'_> {
         let from = Pose2::new(back.x, back.y, start.yaw);
         let seconds = length / self.limits.backward;
         let rest = Trajectory::along(from, &corners[1..], Some(self.goal.yaw), self.limits, 1.0)?;
+        // The rest begins when the robot has backed off.
         let later = rest.poses().iter().map(|k| TimedPose {
             time: k.time + seconds,
             ..*k
@@ -264,6 +277,8 @@ impl Search<'_> {
     /// The fastest collision-free timing of a trajectory's path: its own times, slowed to the
     /// robot's limits, or the shortest times, after a wait at the start if an obstacle moves.
     fn timed(&self, trajectory: &Trajectory) -> Option<Trajectory> {
+        // The shortest times first, then the same after longer and longer waits: the first that is
+        // clear is the earliest of these.
         let shortest = retimed(trajectory, self.limits);
         let moving = self.scene.obstacles.iter().any(Obstacle::is_moving);
         let waits = (1..=MAX_WAITS)
@@ -272,6 +287,7 @@ impl Search<'_> {
         let delayed = waits.filter_map(|wait| shortest.as_ref()?.delayed(wait));
         let mut trajectories = shortest.iter().cloned().chain(delayed);
         let at_once = trajectories.find_map(|trajectory| {
+            // Retiming tolerates a small excess over the limits, which this removes.
             self.slowed(&trajectory)
                 .filter(|trajectory| self.is_clear(trajectory))
         });
@@ -308,6 +324,7 @@ impl Search<'_> {
     /// a scale of [`MAX_SLOWDOWN`] or more.
     fn slowed(&self, trajectory: &Trajectory) -> Option<Trajectory> {
         let knots = trajectory.poses();
+        // Times scaled by r divide speeds by r and accelerations by r².
         let mut ratio = 1.0_f64;
         let mut before: Option<(Velocity, f64)> = None;
         for i in 0..knots.len() - 1 {
@@ -316,12 +333,15 @@ impl Search<'_> {
                 .max(v.linear / self.limits.forward)
                 .max(-v.linear / self.limits.backward);
             ratio = ratio.max(v.angular.abs() / self.limits.turn);
+            // A segment has its velocity in the middle. From rest, the first middle is half a
+            // segment away.
             let (from, between) = before.map_or((Velocity::ZERO, seconds / 2.0), |(u, s)| {
                 (u, (s + seconds) / 2.0)
             });
             ratio = ratio.max((self.rims(from, v) / between / self.limits.acceleration).sqrt());
             before = Some((v, seconds));
         }
+        // To rest at the end, again over half a segment.
         if let Some((v, seconds)) = before {
             let braking = self.rims(v, Velocity::ZERO) / (seconds / 2.0);
             ratio = ratio.max((braking / self.limits.acceleration).sqrt());
@@ -356,6 +376,7 @@ impl Search<'_> {
         let steps = (trajectory.duration() / CHECK_STEP_S).ceil() as usize;
         (0..=steps).all(|i| {
             let time = (i as f64 * CHECK_STEP_S).min(trajectory.duration());
+            // Only negative clearances matter, so a reach of 10 cm is enough.
             let clear = clearance(
                 footprint,
                 obstacles.iter(),
@@ -374,6 +395,8 @@ impl Search<'_> {
     /// Whether the lateral motion is below the maximum share, as the non-holonomic constraint
     /// demands.
     fn is_drivable(&self, trajectory: &Trajectory) -> bool {
+        // The chord of an arc has the mean of the headings at its ends. What is left across it is
+        // lateral motion.
         let slips = trajectory.poses().windows(2).map(|w| {
             let turn = self.limits.half_track * (w[1].pose.yaw - w[0].pose.yaw);
             let (sin, cos) = libm::sincos((w[0].pose.yaw + w[1].pose.yaw) / 2.0);
@@ -381,6 +404,7 @@ impl Search<'_> {
             let (along, aside) = (dx * cos + dy * sin, dy * cos - dx * sin);
             aside.abs() - MAX_LATERAL_SHARE * (along.abs() + turn.abs())
         });
+        // Over the whole path: in a single short segment rounding may be a large share.
         slips.sum::<f64>() < 0.0
     }
 
@@ -395,9 +419,13 @@ impl Search<'_> {
             start.x.max(goal.x) + PROOF_MARGIN_M,
             start.y.max(goal.y) + PROOF_MARGIN_M,
         );
+        // At most 20 m a side. A goal beyond has no cell, and nothing is proven.
         let grid = GridGeometry::covering(low, high, PROOF_CELL_M, 4000);
+        // A cell that the circle's centre crosses has its own centre within half a diagonal of the
+        // path. It is therefore farther from obstacles than this, and stays free.
         let least = self.footprint.inscribed() - std::f64::consts::FRAC_1_SQRT_2 * PROOF_CELL_M;
         let mut blocked = vec![false; grid.len()];
+        // A moving obstacle may make way, so it proves nothing.
         for obstacle in self.scene.obstacles.iter().filter(|o| !o.is_moving()) {
             let (middle, reach) = (obstacle.middle(), obstacle.radius() + least);
             let low = MapPoint::new(middle.x - reach, middle.y - reach);
@@ -425,10 +453,12 @@ fn connected(grid: &GridGeometry, mut blocked: Vec<bool>, from: usize, to: usize
     if blocked[to] {
         return false;
     }
+    // A copy, since the first fill marks the cells that it reaches.
     let mut blocked_from_goal = blocked.clone();
     match flood(grid, &mut blocked, from, Some(to)) {
         Flood::Target => true,
         Flood::Enclosed => false,
+        // From outside, the goal is reached if its own region extends to the border, too.
         Flood::Border => flood(grid, &mut blocked_from_goal, to, None) == Flood::Border,
     }
 }
@@ -457,6 +487,7 @@ fn flood(grid: &GridGeometry, blocked: &mut [bool], from: usize, target: Option<
         (-1, -1),
         (1, -1),
     ];
+    // The first cell counts as free: the robot is there, even if it touches an obstacle.
     let mut open = vec![from];
     let mut border = false;
     while let Some(cell) = open.pop() {
@@ -489,6 +520,7 @@ fn with_opposite_last_turn(trajectory: &Trajectory) -> Option<Trajectory> {
     let before = knots[knots.len().checked_sub(2)?].pose.yaw;
     let last = knots.last_mut()?;
     let turn = last.pose.yaw - before;
+    // A turn of t becomes one of t - 2π to the other side.
     last.pose.yaw -= std::f64::consts::TAU.copysign(turn);
     // An initial time at 1 rad/s; the optimizer improves it.
     last.time += std::f64::consts::TAU - 2.0 * turn.abs();
@@ -498,6 +530,8 @@ fn with_opposite_last_turn(trajectory: &Trajectory) -> Option<Trajectory> {
 /// The time, in seconds, from which a trajectory stays within the tolerance of its goal.
 fn arrival(trajectory: &Trajectory, goal: Pose2) -> f64 {
     let steps = (trajectory.duration() / CYCLE_S) as usize;
+    // From the end: a trajectory may pass through the tolerance and leave it again. It is sampled
+    // at the planners' cycle, at which their arrival is noticed.
     let away = (0..=steps)
         .rev()
         .find(|&i| !is_there(trajectory.pose_at(i as f64 * CYCLE_S), goal));

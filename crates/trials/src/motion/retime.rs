@@ -40,11 +40,13 @@ pub fn retimed(trajectory: &Trajectory, limits: &Limits) -> Option<Trajectory> {
     for piece in pieces(trajectory.poses(), limits.half_track) {
         let poses = divided(piece, limits.half_track);
         let began = knots[knots.len() - 1].time;
+        // From rest to rest: between two pieces both rims stand for an instant.
         let times = times(&poses, limits)?;
         knots.extend(
             poses
                 .iter()
                 .zip(times)
+                // The first pose of a piece is the last one of the piece before.
                 .skip(1)
                 .map(|(&pose, time)| TimedPose {
                     pose,
@@ -61,9 +63,12 @@ fn pieces(knots: &[TimedPose], half_track: f64) -> Vec<&[TimedPose]> {
     let (mut first, mut before) = (0, [0.0; 2]);
     for (i, pair) in knots.windows(2).enumerate() {
         let rims = Arc::between(pair[0].pose, pair[1].pose).rims(half_track);
+        // Without motion there is no direction to compare.
         if rims.iter().all(|rim| rim.abs() < ROUNDING) {
             continue;
         }
+        // If both rims reverse, ds/dt is zero here. If one does, the robot moves on, and only L
+        // changes its sign.
         if (0..2).all(|side| rims[side] * before[side] < 0.0) {
             pieces.push(&knots[first..=i]);
             first = i;
@@ -71,6 +76,7 @@ fn pieces(knots: &[TimedPose], half_track: f64) -> Vec<&[TimedPose]> {
         before = rims;
     }
     pieces.push(&knots[first..]);
+    // A piece without motion has no length to divide.
     pieces.retain(|piece| piece.windows(2).any(|pair| pair[0].pose != pair[1].pose));
     pieces
 }
@@ -79,12 +85,14 @@ fn pieces(knots: &[TimedPose], half_track: f64) -> Vec<&[TimedPose]> {
 fn divided(piece: &[TimedPose], half_track: f64) -> Vec<Pose2> {
     let length = |pair: &[TimedPose]| {
         let arc = Arc::between(pair[0].pose, pair[1].pose);
+        // The distance of the faster rim.
         arc.length.abs() + half_track * arc.turn.abs()
     };
     let whole: f64 = piece.windows(2).map(length).sum();
     let count = (whole / SEGMENT_M).ceil().max(MIN_SEGMENTS);
     let mut poses = vec![piece[0].pose];
     let mut passed = 0.0;
+    // Pose n lies at the share n / count of the whole length.
     for pair in piece.windows(2) {
         let length = length(pair);
         while (poses.len() as f64) < count && poses.len() as f64 * whole / count <= passed + length
@@ -111,6 +119,7 @@ fn times(poses: &[Pose2], limits: &Limits) -> Option<Vec<f64>> {
             return Some(times);
         }
     }
+    // What still exceeds the limit after all rounds is slowed down by the caller.
     path.times()
 }
 
@@ -146,6 +155,8 @@ impl Arc {
         } else {
             limits.forward
         };
+        // The rate ds/dt in segments per second. Without a length or a turn, the quotient is
+        // infinite.
         let rate = (speed / self.length.abs()).min(limits.turn / self.turn.abs());
         (rate * rate).min(MAX_Z)
     }
@@ -166,6 +177,7 @@ impl RimPath {
             .windows(2)
             .map(|pair| Arc::between(pair[0], pair[1]))
             .collect();
+        // A knot is in two segments, so the lower of their bounds holds.
         let inner = arcs
             .windows(2)
             .map(|pair| pair[0].cap(limits).min(pair[1].cap(limits)));
@@ -183,6 +195,8 @@ impl RimPath {
         let (mut z, mut times) = (0.0_f64, vec![0.0]);
         for k in 0..self.rims.len() {
             let most = self.largest_acceleration(k, z, reach[k + 1])?;
+            // Over one segment z changes by 2 s̈. With constant s̈, the mean rate is that of both
+            // ends.
             let next = (z + 2.0 * most).clamp(0.0, reach[k + 1]);
             let rate = (z.sqrt() + next.sqrt()) / 2.0;
             times.push(times[k] + 1.0 / rate);
@@ -198,10 +212,12 @@ impl RimPath {
         let mut slower = false;
         for k in 1..self.rims.len() {
             let (before, after) = (times[k] - times[k - 1], times[k + 1] - times[k]);
+            // The change of a rim's mean speed from one segment to the next.
             let change =
                 |side: usize| (self.rims[k][side] / after - self.rims[k - 1][side] / before).abs();
             let ratio = change(0).max(change(1)) * 2.0 / (before + after) / self.acceleration;
             if ratio > 1.0 + ACCELERATION_TOLERANCE {
+                // The z that the times stand for: two segments in `before + after` seconds.
                 self.caps[k] = (self.caps[k].min((2.0 / (before + after)).powi(2))
                     / (ratio * ratio))
                     .max(MIN_Z);
@@ -215,6 +231,8 @@ impl RimPath {
     fn controllable(&self) -> Vec<f64> {
         let mut reach = self.caps.clone();
         for k in (0..self.rims.len()).rev() {
+            // All conditions are linear in z and s̈, so the admissible z are an interval. Bisection
+            // finds its upper end, beginning with a `low` that is close to standstill.
             let (mut low, mut high) = (if k == 0 { 0.0 } else { MIN_Z }, reach[k]);
             if self.largest_acceleration(k, high, reach[k + 1]).is_some() {
                 continue;
@@ -234,8 +252,10 @@ impl RimPath {
     /// next z is between [`MIN_Z`] and `most`; `None` if there is none.
     fn largest_acceleration(&self, k: usize, z: f64, most: f64) -> Option<f64> {
         let least = if k + 1 == self.rims.len() { 0.0 } else { MIN_Z };
+        // From the bounds of the next z, which is z + 2 s̈.
         let (mut low, mut high) = ((least - z) / 2.0, (most - z) / 2.0);
         let here = self.rims[k];
+        // At the ends of the path there is no neighbour, and L does not change.
         let before = if k == 0 { here } else { self.rims[k - 1] };
         let after = self.rims.get(k + 1).copied().unwrap_or(here);
         for side in 0..2 {
@@ -247,6 +267,7 @@ impl RimPath {
                 (change, mean),
                 (change_after, mean_after + 2.0 * change_after),
             ] {
+                // -acceleration <= of_z z + of_w s̈ <= acceleration, solved for s̈.
                 let (least, most) = (-self.acceleration - of_z * z, self.acceleration - of_z * z);
                 if of_w.abs() > f64::EPSILON {
                     let (a, b) = (least / of_w, most / of_w);

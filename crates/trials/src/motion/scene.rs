@@ -110,6 +110,7 @@ pub struct Scene {
 /// # Errors
 /// An obstacle of invalid shape, which only an invalid robot description causes.
 pub fn scene(number: usize, seed: u64, robot: &RobotDescription) -> Result<Scene, ShapeError> {
+    // 2^64 divided by the golden ratio: consecutive numbers differ in many bits of the seed.
     let mut rng =
         Pcg64Mcg::seed_from_u64(seed ^ (number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let kind = Kind::ALL[number % Kind::ALL.len()];
@@ -121,6 +122,7 @@ pub fn scene(number: usize, seed: u64, robot: &RobotDescription) -> Result<Scene
         jump: None,
     };
     draft.draw(kind)?;
+    // Taken apart, since the draft borrows the generator.
     let Draft {
         goal,
         obstacles,
@@ -162,6 +164,7 @@ impl Placing {
     }
 
     fn vector(&self, v: Vector2) -> Vector2 {
+        // The difference of two points: a vector is mirrored and rotated, but not moved.
         let (a, b) = (self.point(v.point()), self.point(MapPoint::default()));
         Vector2::new(a.x - b.x, a.y - b.y)
     }
@@ -249,6 +252,7 @@ impl Draft<'_> {
             1 => Obstacle::wall(at, at.offset(self.between(-3.1, 3.1), 2.0 * size))?,
             _ => {
                 let (sides, turn) = (self.rng.random_range(3..7), self.between(0.0, 6.3));
+                // Corners on a circle, so that the polygon is convex, as an obstacle must be.
                 let corner = |i: usize| {
                     at.offset(turn + std::f64::consts::TAU * i as f64 / sides as f64, size)
                 };
@@ -295,6 +299,7 @@ impl Draft<'_> {
             self.between(-1.5, 1.5),
             self.between(0.02, 0.5),
         );
+        // A room around the wall, so that no path leads round it.
         self.room(point(-1.0, -3.0), point(5.0, 3.0))?;
         self.block(point(x, -3.0), point(x + thick, y - half))?;
         self.block(point(x, y + half), point(x + thick, 3.0))?;
@@ -317,6 +322,7 @@ impl Draft<'_> {
         let (front, back) = (self.between(0.3, 1.5), self.between(0.5, 2.0));
         // Closed on all sides, so that there is no motion.
         let closed = self.chance(0.15);
+        // Outside of the pocket, but inside this room, lies the goal.
         self.room(point(-back - 3.0, -3.0), point(front + 2.0, 3.0))?;
         self.block(point(-back, half), point(front, half + 0.1))?;
         self.block(point(-back, -half - 0.1), point(front, -half))?;
@@ -339,6 +345,7 @@ impl Draft<'_> {
         let y = self.between(-1.0, 1.0);
         let width = self.between(0.5, 1.0);
         let far = x + 0.1 + width;
+        // The far wall of the room is that of the corridor.
         self.room(point(-1.5, -3.0), point(far, 3.0))?;
         self.block(point(x, -3.0), point(x + 0.1, y - half))?;
         self.block(point(x, y + half), point(x + 0.1, 3.0))?;
@@ -359,6 +366,7 @@ impl Draft<'_> {
         let x = -self.between(1.0, 4.0);
         self.goal = Pose2::new(
             x,
+            // The robot's circumscribed circle, of 0.22 m, fits between goal and wall.
             self.between(-half + 0.25, half - 0.25),
             std::f64::consts::PI,
         );
@@ -418,6 +426,7 @@ impl Draft<'_> {
         self.obstacles(count, 0.4)?;
         let gap = self.between(0.0, 0.005);
         let (x, y) = (self.robot.length / 2.0, self.robot.width / 2.0);
+        // In front of the robot, beside it, or behind and beside it.
         match self.rng.random_range(0..3) {
             0 => self.block(point(x + gap, -0.4), point(x + gap + 0.2, 0.4)),
             1 => self.block(point(-0.5, y + gap), point(0.8, y + gap + 0.1)),
@@ -431,6 +440,7 @@ impl Draft<'_> {
     fn jump(&mut self) -> Result<(), ShapeError> {
         self.goal_ahead();
         let count = self.rng.random_range(2..10);
+        // The true goal is half a metre from the goal, and must be free as well.
         self.obstacles(count, 0.9)?;
         let (sin, cos) = libm::sincos(self.between(-3.1, 3.1));
         self.jump = Some(Jump {

@@ -78,6 +78,7 @@ fn rays(poses: &[Pose3]) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
 fn ranges(stage: &Stage, origins: &[[f32; 3]], directions: &[[f32; 3]]) -> Vec<f32> {
     let mut ranges = Vec::with_capacity(origins.len());
     for (origins, directions) in origins.chunks(LANES).zip(directions.chunks(LANES)) {
+        // Lanes beyond the last ray stay idle.
         let mut packet = RayPacket::idle();
         for (lane, (origin, direction)) in origins.iter().zip(directions).enumerate() {
             packet.set(lane, *origin, *direction, MAX_RANGE_M);

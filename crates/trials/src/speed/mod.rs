@@ -33,5 +33,6 @@ fn peak_memory_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
     let kilobytes: f64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
+    // The kernel's kB has 1024 bytes, the megabyte of the result a million.
     Some(kilobytes * 1024.0 / 1e6)
 }

@@ -128,11 +128,13 @@ pub fn measure(
     let source = Source::open(map).map_err(|e| BenchError::bad_file(map, e))?;
     let roads =
         Roads::read(&source, &Default::default()).map_err(|e| BenchError::bad_file(map, e))?;
+    // As in a server, which does not need the map any more: it would count in the peak memory.
     drop(source);
     let metric = Metric::new(&roads, profile.clone()).map_err(|e| BenchError::bad_file(map, e))?;
     let build = began.elapsed();
     let build_peak_memory_mb = peak_memory_mb();
     let began = ProcessTime::now();
+    // Without `black_box` the compiler may leave out work whose result is not used.
     drop(std::hint::black_box(
         Metric::new(&roads, profile).map_err(|e| BenchError::bad_file(map, e))?,
     ));
@@ -145,6 +147,7 @@ pub fn measure(
         metric,
         limits: Limits::default(),
     };
+    // One for all requests, as each worker thread of `serve` has one.
     let memory = &mut ServiceMemory::default();
 
     let routes = pairs.iter().map(|pair| route_request(pair, false));
@@ -239,6 +242,7 @@ fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), Bench
     };
     let graph = metric.searched(roads);
     let (out, weights) = (&graph.overlay.out, &graph.weights.out);
+    // Arcs that the profile closes have the weight `FAR`.
     let open: Vec<(u32, usize)> = out
         .iter()
         .filter(|(_, slot)| weights[*slot] < FAR)
@@ -273,6 +277,7 @@ fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), Bench
     let queries = (0..DUMPED_QUERIES).flat_map(|i| {
         // A linear congruential generator with the constants of D. Knuth's MMIX.
         let draw = |i: u64| {
+            // The upper bits: the lowest bits of such a generator repeat after few numbers.
             (i.wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1_442_695_040_888_963_407)
                 >> 33)

@@ -70,6 +70,7 @@ pub fn measure(
 ) -> Result<SimSpeed, BenchError> {
     let began = Instant::now();
     let world = load(source)?;
+    // Before the scene is moved into the stage.
     let (name, start, doors) = (world.name.clone(), world.start, places(&world));
     let map = (!plan.is_empty()).then(|| OsmMap::new(&world.map, world.georeference));
     let triangles = world.scene.triangles.len();
@@ -189,10 +190,12 @@ fn sensors(caster: &RayCaster, places: &[Pose2]) -> Vec<Pose3> {
 }
 
 fn lidar(seen: Snapshot<'_>, places: &[Pose2]) -> f64 {
+    // Stream 2 is that of the LiDAR in the simulator.
     let mut lidar = Lidar::new(Noise::new(0, 2));
     let poses = sensors(seen.caster, places);
     let time = fastest(REPETITIONS, || {
         for pose in &poses {
+            // A path of two equal poses: the sensor stands still during the scan.
             std::hint::black_box(lidar.scan(seen, SimTime::ZERO, &[*pose; 2]));
         }
     });
@@ -223,6 +226,7 @@ fn camera(stage: &Stage, movers: &Movers, places: &[Pose2]) -> f64 {
                 pose,
                 size,
                 focal_length,
+                // Range and shadows as those of the robot's camera.
                 range: 200.0,
                 shadows: false,
                 exposure: 1.0,

@@ -69,6 +69,8 @@ pub fn run(request: &TownsRequest<'_>) -> Result<Towns, BenchError> {
             towns.push(town);
             continue;
         }
+        // Windows of an earlier run count, too: a continued run draws what an uninterrupted one
+        // would.
         let taken: Vec<&WindowPlace> = towns.iter().map(|town| &town.place).collect();
         let world = folder.join("world");
         let Some(DrawnWorld { place, prepared }) =

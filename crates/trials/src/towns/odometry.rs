@@ -106,6 +106,7 @@ impl Follower {
                 .into_iter()
                 .flat_map(|scan| self.odometry.scan(scan.clone())),
         );
+        // Summed up until an estimate comes: it costs what all messages before it have cost.
         self.spent += began.elapsed();
         if !estimates.is_empty() {
             self.times.push(std::mem::take(&mut self.spent));

@@ -27,7 +27,8 @@ pub struct TownsPlan {
 impl TownsPlan {
     /// The seed of a window's world and deliveries.
     pub fn window_seed(&self, number: usize) -> u64 {
-        // TOML integers have 63 bits.
+        // 2^64 divided by the golden ratio: the windows of nearby seeds share no seed. Without the
+        // last bit, since TOML integers have 63.
         (self
             .seed
             .wrapping_mul(0x9e37_79b9_7f4a_7c15)

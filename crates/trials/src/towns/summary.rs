@@ -39,6 +39,7 @@ impl Town {
             real_time_factor,
             ..
         } = self.results.metrics;
+        // Results contain no CPU time, but the factor that was made from it.
         if real_time_factor > 0.0 {
             sim_seconds / real_time_factor
         } else {
@@ -106,6 +107,8 @@ impl Towns {
             );
         }
         let sum = |value: fn(&Town) -> f64| towns.iter().map(value).sum::<f64>();
+        // Without localization: percentiles of windows cannot be merged. `pose` has those of the
+        // histograms.
         let totals = RunTotals {
             sim_seconds: sum(|town| town.results.metrics.sim_seconds),
             wall_seconds: sum(|town| town.results.metrics.wall_seconds),

@@ -102,6 +102,7 @@ impl Maps {
         let mut random = Pcg32::new(plan.seed, number as u64);
         let mut tried: Vec<LonLat> = Vec::new();
         for _ in 0..MAX_TRIES.min(buildings.len()) {
+            // Around a building: other positions of a map may be far from any door.
             let around = buildings[random.random_range(0..buildings.len())];
             let overlaps = taken.iter().any(|window| {
                 window.map == map && metres(around, window.around) < 2.0 * plan.radius
@@ -115,6 +116,7 @@ impl Maps {
             let Ok(window) = Window::around(around, plan.radius) else {
                 continue;
             };
+            // Before the map is cut and a world is built, which takes much longer.
             if buildings.iter().filter(|at| window.contains(**at)).count() < MIN_BUILDINGS {
                 continue;
             }
@@ -165,6 +167,7 @@ fn write_world(
     map: &OsmData,
     folder: &Path,
 ) -> Result<Option<Prepared>, BenchError> {
+    // The centre has x = -false_origin, so the origin lies that far to the east.
     let georeference = Georeference::TangentPlane {
         at: place.around,
         offset_x: -plan.false_origin,

@@ -55,6 +55,7 @@ pub(super) fn in_map(map: NdTensorView<f32, 2>, settings: &PpOcrSettings) -> Vec
     let contours = find_contours(mask.view(), RetrievalMode::External);
     let mut boxes: Vec<TextBox> = contours
         .iter()
+        // A bound on the work: no score is known yet, so this selects nothing.
         .take(MAX_CONTOURS)
         .filter_map(|contour| around(contour, map, settings))
         .collect();
@@ -69,10 +70,12 @@ fn around(
     settings: &PpOcrSettings,
 ) -> Option<TextBox> {
     let band = Band::around(contour)?;
+    // Before expansion, which would make any speck large enough.
     if band.width().min(band.height()) < MIN_SIDE_PX {
         return None;
     }
     let score = band.mean_inside(map);
+    // Area times ratio over perimeter, equation (10), of a rectangle with the height in the middle.
     let margin = band.width() * band.height() * settings.unclip_ratio
         / (2.0 * (band.width() + band.height()));
     (score >= settings.box_threshold).then(|| TextBox {
@@ -108,6 +111,7 @@ impl Band {
     fn around(contour: &[Point]) -> Option<Self> {
         let left = contour.iter().map(|point| point.x).min()?;
         let right = contour.iter().map(|point| point.x).max()?;
+        // A contour is connected, so each column between its ends gets at least one point.
         let mut columns = vec![
             Column {
                 top: i32::MAX,
@@ -125,6 +129,7 @@ impl Band {
         let middle = &columns[skip..columns.len() - skip];
         let top = line(middle.iter().map(|column| column.top as f32), middle.len());
         let bottom = line(
+            // Points are pixels, and a border is the outer edge of its row.
             middle.iter().map(|column| column.bottom as f32 + 1.0),
             middle.len(),
         );
@@ -166,6 +171,8 @@ impl Band {
     fn mean_inside(&self, map: NdTensorView<f32, 2>) -> f32 {
         let (mut sum, mut count) = (0.0, 0_u32);
         for column in self.left as usize..(self.right as usize).min(map.size(1)) {
+            // At the centre of the column. A row belongs to the band if its centre does, which is
+            // what rounding both borders selects.
             let [top, bottom] = self.span(column as f32 + 0.5);
             for row in
                 top.round().max(0.0) as usize..(bottom.round().max(0.0) as usize).min(map.size(0))
@@ -183,6 +190,8 @@ fn line(values: impl Iterator<Item = f32>, count: usize) -> Border {
     let middle = count as f32 / 2.0;
     let (mut sum, mut moment, mut spread) = (0.0, 0.0, 0.0);
     for (index, value) in values.enumerate() {
+        // About the mean of x the normal equations separate: the mean of the values is the height
+        // in the middle, and the slope is the moment over the spread.
         let x = index as f32 + 0.5 - middle;
         sum += value;
         moment += x * value;

@@ -27,8 +27,11 @@ pub(super) fn strip(image: &Image, corners: &[[f32; 2]; 4]) -> NdTensor<f32, 4> 
         distance(corners[0], corners[1]),
         distance(corners[0], corners[3]).max(1.0),
     );
+    // The aspect ratio of the text is kept, as PP-OCR does.
     let text_width = ((HEIGHT_PX as f32 * across / down).round() as usize).clamp(1, MAX_WIDTH_PX);
     let width = text_width.max(MIN_WIDTH_PX).next_multiple_of(WIDTH_STEP_PX);
+    // About one sample for each pixel of the image: a strip of large text sampled once a pixel
+    // would alias.
     let samples = ((down / HEIGHT_PX as f32).ceil() as usize).clamp(1, MAX_SAMPLES);
     let mut strip = NdTensor::zeros([1, 3, HEIGHT_PX, width]);
     for row in 0..HEIGHT_PX {
@@ -69,6 +72,8 @@ fn offset(index: usize, samples: usize) -> f32 {
 fn within(corners: &[[f32; 2]; 4], u: f32, v: f32) -> [f32; 2] {
     let [a, b, c, d] = corners;
     std::array::from_fn(|i| {
+        // Upper and lower border at the same fraction. Boxes have vertical sides, so the line
+        // between both points is vertical and the shear is gone.
         let (top, bottom) = (a[i] + (b[i] - a[i]) * u, d[i] + (c[i] - d[i]) * u);
         top + (bottom - top) * v
     })

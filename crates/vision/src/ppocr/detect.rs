@@ -43,6 +43,7 @@ impl Detector {
     ) -> Result<Vec<TextBox>, ReaderError> {
         let view = View::new(image, settings);
         let map: NdTensor<f32, 4> = self.network.run(view.tensor(image), thread)?;
+        // A network that returns a map of another scale would put all boxes in the wrong places.
         if map.shape() != [1, 1, view.rows, view.columns] {
             let detail = format!(
                 "a map of {:?} for {} x {} pixels",
@@ -73,23 +74,28 @@ struct View {
 
 impl View {
     fn new(image: &Image, settings: &PpOcrSettings) -> Self {
+        // `clamp` keeps NaN, so it is excluded first.
         let share = if settings.upper_part.is_finite() {
             settings.upper_part.clamp(0.0, 1.0)
         } else {
             1.0
         };
         let (width, height) = (image.width as f32, (image.height as f32 * share).max(1.0));
+        // Scaling up adds no detail, only time.
         let shrink = (settings.detection_side.max(STRIDE_PX) as f32 / width.max(height)).min(1.0);
         let (columns, rows) = (network_side(width, shrink), network_side(height, shrink));
         Self {
             columns,
             rows,
+            // The sides are rounded to strides one by one, so the scales differ a little along x
+            // and y.
             scale: [width / columns as f32, height / rows as f32],
         }
     }
 
     fn tensor(&self, image: &Image) -> NdTensor<f32, 4> {
         let mut tensor = NdTensor::zeros([1, 3, self.rows, self.columns]);
+        // A new tensor is contiguous, so the data are there.
         let Some(data) = tensor.data_mut() else {
             return tensor;
         };

@@ -16,6 +16,7 @@ const NAME: &str = "ppocr-v4";
 
 /// The registration of the reader `ppocr-v4`.
 pub fn entry() -> Entry<ReaderPart> {
+    // Shared by all readers that this registration makes.
     let networks = Networks::default();
     let part = ReaderPart::new(move |_, context: &mut ReaderContext<'_>| {
         let store = match &context.store {
@@ -46,8 +47,10 @@ struct Loaded {
 impl Networks {
     /// A reader with the networks of this folder, which are loaded unless they already are.
     fn of(&self, store: &ModelStore) -> Result<PpOcr, Cause> {
+        // A panic while loading leaves the old value or none, both of which are valid.
         let mut loaded = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match &*loaded {
+            // The clone shares the networks but has a thread of its own.
             Some(loaded) if loaded.folder == store.folder() => Ok(loaded.reader.clone()),
             _ => {
                 let reader = PpOcr::from_store(store)?;

@@ -37,6 +37,8 @@ fn try_read(file: &Path) -> Result<Vec<String>, Cause> {
 pub(super) fn from_metadata(characters: &str) -> Result<Vec<String>, NoAlphabet> {
     let characters = characters.trim_end_matches('\n').split('\n');
     check(
+        // This entry is never printed: class 0 is skipped in decoding. It gives the classes their
+        // indices.
         std::iter::once("blank")
             .chain(characters)
             .chain([" "])

@@ -102,6 +102,8 @@ impl PpOcr {
         image: &Image,
         text_box: &TextBox,
     ) -> Result<Option<PlateReading>, ReaderError> {
+        // The recognition network reads horizontal lines; on a vertical one it would yield a false
+        // text.
         if text_box.is_vertical() {
             return Ok(None);
         }

@@ -64,6 +64,7 @@ fn load(file: &Path) -> Result<Model, Cause> {
     let bytes = read_bounded(file)?;
     let mut options = ModelOptions::with_all_ops();
     let model = options.prepack_weights(true).load(bytes)?;
+    // Here, since `try_run` indexes the first of both.
     let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
     if inputs != 1 || outputs == 0 {
         return Err(format!("{inputs} inputs, {outputs} outputs").into());

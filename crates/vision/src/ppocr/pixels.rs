@@ -33,6 +33,8 @@ struct Neighbours {
 impl Neighbours {
     fn at(position: f32, count: u32) -> Self {
         let last = (count - 1) as f32;
+        // In units of pixel centres. The clamp repeats the border outside and keeps both indices
+        // valid.
         let place = (position - 0.5).clamp(0.0, last);
         let first = place as usize;
         Self {

@@ -41,6 +41,7 @@ impl Recogniser {
     ) -> Result<Line, ReaderError> {
         let classes: NdTensor<f32, 3> = self.network.run(strip, thread)?;
         let [batch, _, count] = classes.shape();
+        // Also what makes `keys[class]` safe in `decode`.
         if batch != 1 || count != self.keys.len() {
             let detail = format!(
                 "{count} classes, but the alphabet has {}: the files are of different models",
@@ -82,6 +83,7 @@ fn decode(steps: NdTensorView<f32, 2>, keys: &[String]) -> Line {
             sum += probability;
             count += 1;
         }
+        // The blank counts as well: between two blanks the same letter is a new one, as in `ll`.
         previous = class;
     }
     Line {

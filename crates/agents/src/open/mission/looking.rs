@@ -39,12 +39,15 @@ impl Mission {
         observation: &Observation<'_>,
         events: &mut dyn Events,
     ) -> Next {
+        // A blurred image, or one that does not fit the pose, would misplace the plates.
         if observation.time.since(since) < STEADY_TIME {
             return Next::stand(task);
         }
+        // Between two images of the camera; the next one is waited for.
         let Some(image) = observation.camera.image() else {
             return Next::stand(task);
         };
+        // Sightings are only appended, so those after this index are from this image.
         let known = self.seen.len();
         match self.read(&image, events) {
             Err(error) => Next::unreadable(task, &error),
@@ -56,11 +59,14 @@ impl Mission {
     }
 
     fn after_look(&mut self, mut task: Task, known: usize, events: &mut dyn Events) -> Next {
+        // A plate that was read comes before the expected door. That one is taken only once, since
+        // a second attempt must not return to a door that could not be reached.
         let door = self.remembered(task.building, &task.address);
         if let Some(door) = door.or_else(|| task.expected.take()) {
             return self.approach(task, door);
         }
         let near = self.driver.terrain().near();
+        // Scans from the waypoint may show an obstacle that was unknown when it was chosen.
         let hidden = task
             .place
             .take()
@@ -75,6 +81,7 @@ impl Mission {
     /// Where to look from at an uncertain match, if there is one among the sightings after the
     /// first `known`; once for each plate.
     fn uncertain(&mut self, task: &Task, known: usize) -> Option<Waypoint> {
+        // The robot looks from in front of a known door anyway.
         if task.expected.is_some() || matches!(task.stage, Stage::Approach(_)) {
             return None;
         }
@@ -89,6 +96,7 @@ impl Mission {
             .uncertain_plates
             .iter()
             .any(|p| p.distance(position) <= sighting::SAME_PLATE_M);
+        // Bounded, since each look costs a drive and readers see letters in many things.
         if looked_at || self.uncertain_plates.len() == MOST_UNCERTAIN {
             return None;
         }
@@ -106,6 +114,7 @@ impl Mission {
 
     /// Looks from a place before all others.
     pub(super) fn look_from(&mut self, mut task: Task, view: Waypoint) -> Next {
+        // The interrupted waypoint was not looked from yet, so it goes back to the others.
         task.waypoints.extend(task.place.take());
         self.go_to(task, view)
     }
@@ -123,6 +132,7 @@ impl Mission {
         let Some(image) = observation.camera.image() else {
             return Glimpse::Nothing;
         };
+        // Before reading, so that an image that shows nothing counts as a glance as well.
         self.last_glance = Glance {
             time: observation.time,
             yaw: self.localizer.pose().yaw,
@@ -157,6 +167,8 @@ impl Mission {
         let Stage::Approach(aim) = &task.stage else {
             return false;
         };
+        // A door known only from the map is not among the sightings, so no readings of it can be
+        // compared.
         self.seen.contains(aim) && !sighting::is_trusted(aim, &self.seen)
     }
 
@@ -167,6 +179,8 @@ impl Mission {
             return false;
         }
         let half_view = self.robot.camera_intrinsics.horizontal_fov / 2.0;
+        // Three rays within the field of view stand for it; a wall that only fills its margin shows
+        // no legible plate.
         [-0.7, 0.0, 0.7].iter().any(|side| {
             let end = pose
                 .point()
@@ -184,6 +198,7 @@ impl Mission {
         } in unread
         {
             let known = |at: &MapPoint| at.distance(plate) <= sighting::SAME_PLATE_M;
+            // Once for each plate, and never for one that another reading of it already explains.
             if self.unreadable.iter().any(known) || self.seen.iter().any(|s| known(&s.position)) {
                 continue;
             }
@@ -211,6 +226,8 @@ impl Mission {
     ) -> Result<Vec<Location>, ReaderError> {
         let pose = self.localizer.pose();
         let readings = self.reader.read(image)?;
+        // All texts of plates are recorded, also those that are not located or trusted: the record
+        // shows what the reader saw.
         for reading in readings.iter().filter(|r| parse_unit(&r.text).is_some()) {
             let located = sighting::locate(
                 reading,
@@ -226,6 +243,7 @@ impl Mission {
                 image: image.clone(),
             });
             if let Some(seen) = sighting::recognise(reading, located, self.memory.map()) {
+                // Before the test, which sums over all sightings of the plate, this one included.
                 self.seen.push(seen.clone());
                 if sighting::is_trusted(&seen, &self.seen) {
                     self.memory.write(&seen, events);
@@ -238,6 +256,7 @@ impl Mission {
     }
 
     pub(super) fn remembered(&self, building: usize, address: &Address) -> Option<Sighting> {
+        // The newest first, so that a correction of the door's position follows the latest view.
         let fitting = self
             .seen
             .iter()

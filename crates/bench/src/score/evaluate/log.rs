@@ -32,6 +32,8 @@ pub fn parse_log(text: &str) -> Result<Vec<LoggedTask>, LineProblem> {
         })?;
         let end = MapPoint::new(row.at[0], row.at[1]);
         match (row.status.as_str(), tasks.last_mut()) {
+            // A new task starts with an empty path: the distance from the end of the previous task
+            // belongs to neither.
             ("start", _) => tasks.push(LoggedTask {
                 address: row.address,
                 end,
@@ -97,6 +99,7 @@ fn split_fields(line: &str) -> Result<Vec<String>, RowError> {
     let mut rest = line.chars().peekable();
     while let Some(c) = rest.next() {
         match c {
+            // As in RFC 4180: within quotes, a doubled quote stands for one.
             '"' if quoted && rest.next_if_eq(&'"').is_some() => field.push('"'),
             '"' => quoted = !quoted,
             ',' if !quoted => fields.push(std::mem::take(&mut field)),

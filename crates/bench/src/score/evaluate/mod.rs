@@ -205,6 +205,8 @@ struct Leg {
 /// The legs of all episodes, each from the origin to the first door and on to the next.
 fn legs(episodes: &[Vec<MapPoint>]) -> impl Iterator<Item = Leg> {
     episodes.iter().enumerate().flat_map(|(episode, doors)| {
+        // One start more than there are doors: `zip` pairs each door with its predecessor and drops
+        // the last start.
         let starts = std::iter::once(&MapPoint { x: 0.0, y: 0.0 }).chain(doors);
         let ends = starts.zip(doors).enumerate();
         ends.map(move |(task, (&from, &door))| Leg {
@@ -243,6 +245,7 @@ fn metrics(deliveries: &[EvaluatedDelivery]) -> PaperMetrics {
         sequence_values(deliveries, success),
         sequence_values(deliveries, ratio),
     );
+    // With a fixed seed, the same log always gives the same intervals.
     let intervals = [
         ("sr_10m", wilson_interval(successes, deliveries.len())),
         ("spl_straight", bootstrap_interval(&ratios, 0)),
@@ -252,6 +255,7 @@ fn metrics(deliveries: &[EvaluatedDelivery]) -> PaperMetrics {
     PaperMetrics {
         sr_10m: successes as f64 / deliveries.len() as f64,
         spl_straight: spl(&ratios).unwrap_or(0.0),
+        // `spl` is a plain mean, here over the sequences.
         lsr_10m: spl(&lsr),
         lspl_straight: spl(&lspl),
         intervals: intervals
@@ -266,6 +270,7 @@ fn sequence_values(
     deliveries: &[EvaluatedDelivery],
     value: impl Fn(&EvaluatedDelivery) -> f64,
 ) -> Vec<f64> {
+    // Deliveries are in the order of their episodes, so those of one episode are adjacent.
     let episodes = deliveries
         .chunk_by(|a, b| a.episode == b.episode)
         .filter(|e| e.len() > 1);

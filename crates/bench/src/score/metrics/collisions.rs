@@ -65,6 +65,7 @@ impl CollisionSum {
         self.count += 1;
         let drives = speed_mps > STANDSTILL_MPS;
         self.driven_into += usize::from(drives);
+        // A robot that drives is at fault already. Each fault is counted once.
         self.cut_off += usize::from(!drives && cut_off);
         self.impulse_ns += impulse_ns;
     }

@@ -47,6 +47,8 @@ pub fn nees(estimates: &[EstimatedPose], truth: &[StampedPose], imu: &Pose3) -> 
     let first = estimates.first()?;
     let from_first = pose_at(truth, first.time)?.inverse();
     let errors = estimates[1..].iter().filter_map(|estimate| {
+        // The true motion since the first estimate, appended to that estimate. The IMU's pose
+        // follows, since the covariance is that of the IMU.
         let expected = first.pose * from_first * pose_at(truth, estimate.time)? * imu;
         squared_errors(estimate, expected, imu)
     });
@@ -75,14 +77,19 @@ fn squared_errors(estimate: &EstimatedPose, expected: Pose3, imu: &Pose3) -> Opt
         pose, covariance, ..
     } = estimate;
     let pose = pose * imu;
+    // The rotation error in the IMU frame and the position error in that of the trajectory, as the
+    // covariance has them.
     let rotation = (expected.rotation.inverse() * pose.rotation).scaled_axis();
     let position = pose.translation.vector - expected.translation.vector;
     let error = Vector6::new(
         rotation.x, rotation.y, rotation.z, position.x, position.y, position.z,
     );
+    // Rows and columns of the covariance belong to the marginal distribution of these axes. Those
+    // of its inverse would not: they belong to the conditional one.
     let ground = error.select_rows(&GROUND);
     let ground_covariance = covariance.select_rows(&GROUND).select_columns(&GROUND);
     Some(SquaredErrors {
+        // NEES: e' P⁻¹ e.
         all: error.dot(&(covariance.try_inverse()? * error)),
         ground: ground.dot(&(ground_covariance.try_inverse()? * &ground)),
     })
@@ -96,6 +103,7 @@ pub fn pose_at(truth: &[StampedPose], time: SimTime) -> Option<Pose3> {
     let Some(last) = after.checked_sub(1).and_then(|i| truth.get(i)) else {
         return (next.time == time).then_some(next.pose);
     };
+    // The search ensures `last.time < time <= next.time`: the divisor is positive.
     let part = time.since(last.time).as_secs_f64() / next.time.since(last.time).as_secs_f64();
     // Opposite rotations have no shortest way between them.
     let between = last.pose.try_lerp_slerp(&next.pose, part, 1e-9);

@@ -25,6 +25,7 @@ pub struct EncounterSum {
 
 impl From<EncounterTotals> for EncounterSum {
     fn from(totals: EncounterTotals) -> Self {
+        // Minima start at infinity, which JSON cannot express.
         let finite = |value: f64| value.is_finite().then_some(value);
         Self {
             near_misses_people: totals.near_misses_people,

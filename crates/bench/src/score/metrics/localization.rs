@@ -64,6 +64,7 @@ impl ErrorCounts {
     /// `None` without errors.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         let all: u64 = self.0.values().map(|count| u64::from(*count)).sum();
+        // The nearest rank. At least the first, so that a share of 0 gives the smallest error.
         let wanted = (share * all as f64).ceil().max(1.0) as u64;
         let mut seen = 0;
         let reaches = |(size, count): (&u32, &u32)| {
@@ -75,6 +76,7 @@ impl ErrorCounts {
 
     /// Root mean square of the errors, metres; `None` without errors.
     pub fn rms(&self) -> Option<f64> {
+        // Errors are rounded to their bins, which changes the result by 0.05 mm at most.
         let (mut squares, mut all) = (0.0, 0.0);
         for (size, count) in &self.0 {
             let (metres, count) = (f64::from(*size) * 1e-4, f64::from(*count));
@@ -92,6 +94,7 @@ pub fn localization<'a>(
     let (mut distances, mut max_yaw_rad, mut max_jump_m) = (Vec::new(), 0.0_f64, 0.0_f64);
     let mut silent_divergences = 0;
     for errors in episodes {
+        // Before estimates with NaN are left out: in good health these are divergences as well.
         silent_divergences += divergences(errors);
         // Poses with NaN or infinity are left out: the metrics of driving show their effect.
         let errors: Vec<_> = errors
@@ -103,6 +106,7 @@ pub fn localization<'a>(
             .iter()
             .map(|error| error.yaw.abs())
             .fold(max_yaw_rad, f64::max);
+        // Pairs within an episode only: the error of the next one starts anew.
         max_jump_m = errors
             .windows(2)
             .map(|two| jump(two[0], two[1]))

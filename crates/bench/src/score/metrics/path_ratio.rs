@@ -24,6 +24,7 @@ pub fn path_ratio(success: bool, shortest: f64, driven: f64) -> f64 {
     match (success, longest > 0.0) {
         (false, _) => 0.0,
         (true, false) => 1.0,
+        // Infinity divided by infinity would be NaN.
         (true, true) if shortest.is_finite() && longest.is_finite() => shortest / longest,
         (true, true) => 0.0,
     }

@@ -40,6 +40,7 @@ impl ExpectedPlan {
                 .iter()
                 .all(|&(first, second)| at(first) < at(second))
         };
+        // Equally many doors, with each requested one among them: none is planned twice.
         planned.len() == self.doors.len() && places.is_some_and(ordered)
     }
 }

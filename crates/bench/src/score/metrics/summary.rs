@@ -61,6 +61,7 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
         seed: totals.seed,
         found: BTreeMap::new(),
     };
+    // Shares of deliveries have Wilson intervals, means of ratios bootstrapped ones.
     metrics.sr_10m = intervals.rate("sr_10m", Proportion::count(deliveries, |d| d.success_10m));
     metrics.sr_2m = intervals.rate("sr_2m", Proportion::count(deliveries, |d| d.success_2m));
     let correct_unit = Proportion::count(deliveries, |d| d.correct_unit);
@@ -68,6 +69,7 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
     metrics.srtp = totals.instructions.and_then(|i| intervals.rate("srtp", i));
     metrics.spl_straight = intervals.mean("spl_straight", &values(deliveries, paper_ratio));
     metrics.spl = intervals.mean("spl", &values(deliveries, strict_ratio));
+    // LSR and LSPL are computed for each sequence first, then averaged.
     let sequences = sequences(deliveries);
     metrics.lsr = intervals.mean("lsr", &sequence_means(&sequences, strict_success));
     metrics.lspl = intervals.mean("lspl", &sequence_means(&sequences, strict_ratio));
@@ -99,6 +101,7 @@ fn paper_ratio(delivery: &DeliveryResult) -> f64 {
 }
 
 fn strict_ratio(delivery: &DeliveryResult) -> f64 {
+    // Without a drivable path to the door the ratio is 0.
     let shortest = delivery.shortest_path_m.unwrap_or(f64::INFINITY);
     path_ratio(delivery.success_2m, shortest, delivery.path_m)
 }
@@ -109,6 +112,7 @@ fn sequences(deliveries: &[DeliveryResult]) -> Vec<Vec<&DeliveryResult>> {
         episodes.entry(delivery.episode).or_default().push(delivery);
     }
     let mut sequences: Vec<_> = episodes.into_values().filter(|e| e.len() > 1).collect();
+    // The weights of LSR and LSPL fall with the position in the sequence.
     sequences.iter_mut().for_each(|s| s.sort_by_key(|d| d.task));
     sequences
 }
@@ -144,6 +148,7 @@ impl Intervals {
     fn mean(&mut self, name: &str, values: &[f64]) -> Option<f64> {
         let interval = bootstrap_interval(values, self.seed);
         self.found.extend(interval.map(|i| (name.to_owned(), i)));
+        // `spl` is a plain mean, whatever the metric.
         spl(values)
     }
 }

@@ -31,6 +31,7 @@ pub fn files(log: &Path) -> anyhow::Result<Vec<PathBuf>> {
             log.display()
         );
     }
+    // By number, so that NAME_10 comes after NAME_9. The path decides between equal numbers.
     files.sort_by_key(|path| (number(path), path.clone()));
     Ok(files)
 }

@@ -29,6 +29,7 @@ use sensors::Sensors;
 /// Reads a log and writes the way.
 pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
     let mut drive = Drive::new(Sensors::new(args.robot.as_deref())?, args.wheels);
+    // A damaged file is used up to its first error. The files after it are still read.
     for file in bag::files(&args.log)? {
         for message in LogReader::open(&file)? {
             match message {
@@ -100,6 +101,7 @@ impl Drive {
         let began = ThreadTime::now();
         let estimates = match &*message.type_name {
             name if name == Imu::DEFINITION.full_name() => {
+                // Returning here leaves the time out: other sensors are no work of the odometry.
                 if !self.sensors.imu_is_on(&message.topic) {
                     return Ok(());
                 }
@@ -142,6 +144,7 @@ impl Drive {
             }
             _ => return Ok(()),
         };
+        // Summed up until an estimate comes: it costs what all messages before it have cost.
         self.spent += began.elapsed();
         if !estimates.is_empty() {
             self.times.push(std::mem::take(&mut self.spent));
@@ -274,6 +277,7 @@ impl Summary {
                  a long corridor (--wheels)\n",
             );
         }
+        // `tell` ends the line itself.
         text.truncate(text.trim_end().len());
         text
     }

@@ -30,6 +30,7 @@ impl Mount {
     }
 
     fn is_sound(&self) -> bool {
+        // Millimetres and degrees usually exceed these bounds, and NaN is below none.
         self.xyz.iter().all(|x| x.abs() < 100.0) && self.rpy.iter().all(|x| x.abs() < 10.0)
     }
 }
@@ -107,6 +108,7 @@ impl File {
         }
         let imu = self.imu.map_or(robot.imu, |mount| mount.pose());
         let lidar = self.lidar.map_or(robot.lidar, |mount| mount.pose());
+        // The file has both on the robot. The odometry takes the pose of the LiDAR on the IMU.
         (settings.imu, settings.lidar) = (imu, imu.inverse() * lidar);
         settings.estimate_lidar = self.estimate_lidar;
         settings.imu_limits = self
@@ -118,6 +120,7 @@ impl File {
                 "imu_limits are rad/s and m/s² above 0"
             );
         }
+        // What the file names replaces the value of the benchmark's robot.
         for (name, value, place) in [
             ("gyro_noise", self.gyro_noise, &mut settings.imu_noise.gyro),
             (

@@ -33,13 +33,17 @@ pub(super) fn deadlines(
     let mut due: Vec<Option<Deadline>> = vec![None; doors.len()];
     let mut at = 0;
     while at < tokens.len() {
+        // The second half of a span or of a length of time would look like a deadline of its own.
         let mut fresh = readers.iter().filter(|reader| !reader.goes_on(tokens, at));
         let Some(found) = fresh.find_map(|reader| reader.deadline(&tokens[at..])) else {
             at += 1;
             continue;
         };
         let time = at..at + found.length;
+        // Behind the time even if it is no deadline: its tokens are not read again as a shorter
+        // one.
         at = time.end;
+        // In all languages in force, since the day may be said in another than the time.
         let is_today = readers
             .iter()
             .all(|reader| reader.is_today(tokens, time.clone()));
@@ -66,6 +70,7 @@ pub(super) fn deadlines(
 fn lexeme_of(reading: &Reading<'_>, token: usize) -> usize {
     reading
         .lexemes
+        // Lexemes cover all tokens in order, so a binary search finds the one.
         .partition_point(|lexeme| lexeme.tokens.end <= token)
 }
 
@@ -115,9 +120,11 @@ fn beside(reading: &Reading<'_>, doors: &[Door], at: usize) -> Range<usize> {
     let before = before.filter(|i| !has_stop(reading, doors[*i].last..at));
     let behind = doors.iter().position(|door| door.first >= at);
     let behind = behind.filter(|i| !has_stop(reading, at..doors[*i].first));
+    // A comma before the deadline and none behind it ties it to the door that follows.
     let leads = before.zip(behind).is_some_and(|(before, behind)| {
         breaks(reading, doors[before].last..at) && !breaks(reading, at..doors[behind].first)
     });
+    // The doors listed with the last one before the time share it.
     if let Some(last) = before.filter(|_| !leads) {
         let first = (1..=last)
             .rev()

@@ -149,9 +149,11 @@ impl TimeReader<'_> {
         let marker = begins(tokens, &self.times.by)?;
         let rest = &tokens[marker..];
         let hour = self.number(rest).filter(|hour| hour.value <= LAST_HOUR)?;
+        // The last token of the words before the hour, as `las` in `antes de las`.
         let last_word = &tokens[marker.checked_sub(1)?..];
         let is_of_hours = begins(last_word, &self.times.hour_articles).is_some();
         let is_by = begins(tokens, &self.times.by_bare_hour) == Some(marker);
+        // Elsewhere a number behind `by` may count something: `by 4 boxes`.
         let is_last = rest
             .get(hour.length)
             .is_none_or(|next| ENDS.contains(&next.text.as_str()));
@@ -171,6 +173,7 @@ impl TimeReader<'_> {
         };
         match half {
             Some(Half::Afternoon) if hour < NOON_HOUR => hour + NOON_HOUR,
+            // 12 am is midnight, here at the end of the day.
             Some(Half::Morning) if hour == NOON_HOUR => LAST_HOUR,
             None if self.times.has_half_days && (1..=latest).contains(&hour) => hour + NOON_HOUR,
             _ => hour,
@@ -207,6 +210,8 @@ impl TimeReader<'_> {
         let Rest { minutes, is_clock } = rest.value;
         let hour = self.by_day(hour.value, minutes, half);
         let minutes = hour * MINUTES_OF_HOUR + minutes;
+        // A bare number may be anything; only a word for hours, minutes or a half of the day makes
+        // it a time.
         let is_time = is_clock || half.is_some();
         (is_time && minutes <= LAST_HOUR * MINUTES_OF_HOUR).then_some(Parsed::new(at, minutes))
     }
@@ -311,6 +316,7 @@ impl TimeReader<'_> {
             return None;
         }
         // Without what follows, which may be a measure.
+        // The longest first: `twenty` is the beginning of `twenty one`.
         let mut lengths = (1..=LONGEST_NUMBER.min(tokens.len())).rev();
         lengths.find_map(|length| self.spelt(&tokens[..length]))
     }
@@ -378,6 +384,7 @@ fn marked(
         return Some(found.behind(marker));
     }
     let found = read(tokens)?;
+    // Without its marker a time is no deadline.
     let marker = begins(&tokens[found.length..], after)?;
     Some(found.with(marker))
 }

@@ -9,6 +9,7 @@ use crate::lexicon::lexeme::Lex;
 
 /// `not unit 2 of building 6`: what is tied to a place left out is left out too.
 pub(super) fn spread(reading: &Reading<'_>, selection: &mut Selection) {
+    // In the order of the text, so that it spreads over more than two mentions.
     for i in 1..selection.count() {
         let (before, mention) = (&selection.mentions[i - 1], &selection.mentions[i]);
         let is_tied = before.level != mention.level && is_tied(reading, before, mention);

@@ -18,6 +18,7 @@ const FAR_REACH: usize = 14;
 
 /// Behind `no wait` and the like each level named replaces the last one of its level.
 pub(super) fn correct(reading: &Reading<'_>, selection: &mut Selection) {
+    // Once, since corrections change what is meant, but not the mentions.
     let owners = owners(reading, &selection.mentions);
     for at in 0..reading.lexemes.len() {
         if let Some(next) = corrected(reading, &selection.mentions, at) {
@@ -126,6 +127,7 @@ fn is_of_correction(
     let distance = from - at;
     let is_parted = (at..from).any(|at| reading.is_stop(at));
     let is_beside = distance <= REACH && (!is_parted || stands_alone(reading, at + 1..from));
+    // `instead` may as well stand behind its place, so it does not reach as far forward.
     let is_near = is_beside || !is_instead && !is_parted && distance <= FAR_REACH;
     // Of its building and unit the last.
     let last = mentions
@@ -229,6 +231,7 @@ fn replace_number(
         selection.insert(place, Mention::one(Level::Unit, target, number..number + 1));
         return;
     }
+    // Of a list it is unknown which number the correction replaces.
     if selection.mentions[old].targets.len() == 1 {
         selection.mentions[old].targets = vec![target];
         selection.left_out[old] = None;

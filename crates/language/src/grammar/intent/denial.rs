@@ -212,6 +212,7 @@ fn dropped_behind_a_comma(reading: &Reading<'_>, mention: &Mention) -> Option<Ve
     }
     let from = mention.at.end + 1;
     let mut clause = (from..reading.lexemes.len()).take_while(|at| !ends_a_clause(reading, *at));
+    // The verb of the clause; `clause` goes on behind it.
     let first = clause.find(|at| !reading.class(*at).is_some_and(is_light))?;
     if clause.any(|at| matches!(reading.lex(at), Some(Lex::Number { .. } | Lex::Name(_)))) {
         return None;
@@ -278,6 +279,7 @@ fn of_the_sender(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
                 let is_recipients = is_somebodys && is_toward;
                 return (!is_recipients).then_some(LeftOut(Elsewhere));
             }
+            // A name may be between the word and its address; a second comma begins something else.
             Lex::Comma if !has_comma => has_comma = true,
             Lex::Unknown => is_somebodys = true,
             Lex::Word(Class::Toward | Class::TowardOrAfter, _) => is_toward = true,
@@ -372,6 +374,7 @@ fn denied_before(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
                 return is_object(reading, at, start).then_some(LeftOut(Denied));
             }
             Lex::Word(Class::Elsewhere | Class::Between, _) => return Some(LeftOut(Elsewhere)),
+            // In front of a building is a landmark, but in front of a unit is its door.
             Lex::Word(Class::InFront, _) => {
                 return mention.is_building().then_some(LeftOut(Elsewhere));
             }

@@ -18,10 +18,12 @@ struct Taken {
 /// `Units 2 and 4 of building 7 …, but unit 4 has just cancelled`: what is denied is taken back
 /// where it was named before.
 pub(super) fn take_back(reading: &Reading<'_>, selection: &mut Selection) {
+    // Both are found before any is taken back, since taking back changes what is meant.
     let mut taken = named_before(reading, selection);
     taken.extend(by_number(reading, selection));
     for Taken { mention, target } in taken {
         let targets = &mut selection.mentions[mention].targets;
+        // A mention must keep a target, so the last one is left out with its mention.
         if targets.iter().all(|other| other.is_same(&target)) {
             selection.left_out[mention] = Some(Why::Denied);
         } else {
@@ -206,6 +208,7 @@ pub(super) fn except(reading: &Reading<'_>, selection: &mut Selection) {
         }
         leave_out_joined(reading, selection, all, &is_of_it);
         let mut excepted = labels_left_out(selection, &is_of_it);
+        // Numbers without their word are no mentions, so they are read here.
         excepted.extend(bare_exceptions(reading, selection.mentions[all].at.end));
         if let [Target::All { but, .. }] = &mut selection.mentions[all].targets[..] {
             *but = excepted;

@@ -21,6 +21,7 @@ fn is_hint(reading: &Reading<'_>, unit: &Mention, hint: &Mention) -> bool {
     let are_units = !unit.is_building() && !hint.is_building();
     let start = hint.at.start;
     let is_ordinal = reading.is_ordinal(start) || reading.ordinal_determiner(start).is_some();
+    // The same word again is another unit: `unit 2, first unit`.
     let is_other = level_word(reading, unit) != level_word(reading, hint)
         && !reading.is_ordinal(unit.at.start);
     let adds = |at: usize| {

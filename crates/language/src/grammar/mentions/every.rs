@@ -19,6 +19,7 @@ pub(super) fn all_units(
     level: Level,
     taken: usize,
 ) -> Option<Mention> {
+    // All buildings of a map are no destination.
     if level == Level::Building || is_of_a_thing(reading, at) {
         return None;
     }

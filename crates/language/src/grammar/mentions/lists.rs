@@ -24,6 +24,7 @@ pub(super) fn numbers_after(reading: &Reading<'_>, level: usize) -> Option<Numbe
     let plural = reading.is_plural(level);
     let first = first_after(reading, level, plural);
     let label = reading.label(first)?.to_owned();
+    // `building 3rd floor`: an ordinal belongs to what follows it.
     if reading.is_ordinal(first) {
         return None;
     }
@@ -105,6 +106,8 @@ fn list_after(
         }
         pending.extend(reading.label(item.at).map(str::to_owned));
         next = item.at + 1;
+        // Numbers behind commas wait in `pending` until an `and` closes the list. Without it they
+        // are not part of it, and `end` stays before them.
         if item.has_and || plural {
             labels.append(&mut pending);
             end = next;
@@ -214,6 +217,7 @@ pub(super) fn numbers_before(
     }
     let label = reading.label(at)?.to_owned();
     let is_signed = at > taken && reading.class(at - 1) == Some(Class::Sign);
+    // `3 building` is no building 3 in languages that put the number behind, but `3rd building` is.
     if !(number_first || is_signed || reading.is_ordinal(at)) {
         return None;
     }
@@ -296,6 +300,7 @@ fn listed_before(
 /// The labels from one number to another, if they are not too many.
 fn span(first: &str, last: &str) -> Option<Vec<String>> {
     let (first, last): (usize, usize) = (first.parse().ok()?, last.parse().ok()?);
+    // Bounded before the labels are made: a range may have any numbers.
     let is_short = first < last && last - first < LONGEST_LIST;
     is_short.then(|| (first..=last).map(|n| n.to_string()).collect())
 }
@@ -317,6 +322,7 @@ pub(super) fn join_ranges(reading: &Reading<'_>, found: &mut Vec<Mention>) {
         let is_range = is_for_each || is_told_as_range(reading, first, last);
         match range_between(reading, first, last).filter(|_| is_range) {
             Some(targets) => {
+                // The mention behind the range moves to `i`, so `i` stays.
                 let last = found.remove(i);
                 found[i - 1].at = range_at(reading, &found[i - 1], &last);
                 found[i - 1].targets = targets;

@@ -50,6 +50,7 @@ fn mention(
     taken: usize,
     last: Option<&Mention>,
 ) -> Option<Mention> {
+    // The list of the mention before may reach beyond its word; its lexemes are not read again.
     if at < taken {
         return None;
     }
@@ -106,6 +107,7 @@ fn numbered(
     let weak = reading.class(at) == Some(Class::WeakBuilding);
     let before = || numbers_before(reading, at, number_first, taken);
     let after = || numbers_after(reading, at);
+    // A weak word counts with its number before it only, as in `3楼`.
     let Numbers { labels, at: range } = if weak {
         before()
     } else if number_first {
@@ -115,6 +117,8 @@ fn numbered(
     }?;
     let is_single = labels.len() == 1;
     let target = |label: String| {
+        // The words as written may be a name of the map: `Tower 3`. In a list each number gets the
+        // word.
         let said = if is_single {
             reading.words(range.clone()).to_owned()
         } else {
@@ -190,6 +194,7 @@ fn signed(reading: &Reading<'_>, at: usize, last: Option<&Mention>) -> Option<Me
         (before?, before?..at + 1)
     };
     let target = target(reading, number, range.clone())?;
+    // A sign names no level, so its number gives way where a building is named by its word.
     let weak = level == Level::Building;
     Some(Mention {
         level,

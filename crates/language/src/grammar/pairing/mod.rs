@@ -20,6 +20,7 @@ pub(crate) fn doors(
     mut mentions: Vec<Mention>,
     gazetteer: &Gazetteer,
 ) -> Vec<Door> {
+    // Before ownership, so that a building without a word for its level is an owner as well.
     name_buildings(namings, reading, &mut mentions, gazetteer);
     let owners = owners(reading, &mentions);
     let pairing = Pairing {
@@ -40,6 +41,7 @@ pub(crate) fn doors(
         doors.extend(combine(building, &units, respectively));
     }
     doors.extend(doors_without_building(&pairing));
+    // Stages behind this one look for what stands between one door and the next.
     doors.sort_by_key(|door| door.first);
     doors
 }
@@ -105,6 +107,7 @@ fn combine(building: &Mention, units: &[&Mention], respectively: bool) -> Vec<Do
             .collect();
     }
     let door = |target: &Target, unit: Unit<'_>| door(building, target, unit, units);
+    // With other numbers `respectively` cannot be one to one, and each building gets all units.
     if respectively && targets.len() == building.targets.len() {
         return buildings
             .zip(targets)

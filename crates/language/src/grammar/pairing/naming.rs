@@ -69,8 +69,10 @@ pub(super) fn name_buildings(
                 .find_map(|rule| (rule.apply)(reading, &unit.at, gazetteer)),
         );
     }
+    // Two units may find the same building between them.
     named.dedup_by(|a, b| a.at == b.at);
     mentions.extend(named);
+    // Ownership looks at neighbours in the order of the text.
     mentions.sort_by_key(|mention| mention.at.start);
 }
 

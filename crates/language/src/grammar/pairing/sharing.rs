@@ -97,6 +97,8 @@ pub(super) fn shares(rules: &[Sharing], pairing: &Pairing<'_>) -> Vec<Share> {
 /// `1号楼和12号楼的3单元`, `Haus 1 und Haus 12, jeweils Eingang 3`
 fn listed(pairing: &Pairing<'_>, _: &[Share]) -> Vec<Share> {
     let mut shares: Vec<Share> = Vec::new();
+    // Backwards, so that a whole list shares: the last building gives its units to the one before
+    // it, and that passes its share on.
     for building in (1..pairing.mentions.len()).rev() {
         if !is_listed(pairing, building) || pairing.has_units(building - 1) {
             continue;
@@ -191,6 +193,7 @@ fn of_the_same_number(pairing: &Pairing<'_>, _: &[Share]) -> Vec<Share> {
         let bare = pairing
             .buildings()
             .filter(|building| !pairing.has_units(*building))
+            // The building without units that is nearest to the words.
             .min_by_key(|building| pairing.distance(*building, at));
         let Some(bare) = bare.filter(|bare| pairing.distance(*bare, at) <= SAME_BESIDE) else {
             continue;
@@ -198,6 +201,7 @@ fn of_the_same_number(pairing: &Pairing<'_>, _: &[Share]) -> Vec<Share> {
         let other = pairing
             .buildings()
             .filter(|building| pairing.has_units(*building))
+            // The building with units that is mentioned nearest to it.
             .min_by_key(|building| building.abs_diff(bare));
         shares.extend(other.map(|other| Share {
             building: bare,

@@ -58,6 +58,7 @@ fn within(
         is_staged: false,
     };
     let mut found = stages(&part, &lexemes);
+    // Before the rules: in `first A, then B and C` the stages already hold what `first` says.
     part.is_staged = !found.is_empty();
     for at in lexemes.clone() {
         for rule in rules {
@@ -96,12 +97,14 @@ fn stages(part: &Part<'_>, lexemes: &Range<usize>) -> Vec<Precedes> {
         .unwrap_or(doors.len());
     let mut stage = vec![0; doors.len()];
     for i in first + 1..end {
+        // The lexemes of two doors may overlap: units of one building share its words.
         let mut between = doors[i - 1].last.min(doors[i].first)..doors[i].first;
         let is_parted = between.any(|at| is_then(part.reading, at) && !part.is_behind(at));
         stage[i] = stage[i - 1] + usize::from(is_parted);
     }
     let mut found = Vec::new();
     for later in first..end {
+        // Doors of one stage stay free among themselves, for the shortest order.
         let before = (first..later).filter(|earlier| stage[*earlier] < stage[later]);
         found.extend(before.map(|earlier| Precedes { earlier, later }));
     }

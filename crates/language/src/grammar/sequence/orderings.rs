@@ -155,6 +155,7 @@ fn afterwards(part: &Part<'_>, at: usize) -> Vec<Precedes> {
 
 /// `Finish at building 2`
 fn finally(part: &Part<'_>, at: usize) -> Vec<Precedes> {
+    // Elsewhere `finally` is a `then`, which the stages handle.
     let opens = part.doors.iter().all(|door| door.first > at);
     let is_last = part.reading.class(at) == Some(Class::Finally) && (opens || part.is_behind(at));
     if is_last { last(part, at) } else { Vec::new() }
@@ -251,6 +252,8 @@ fn onward(part: &Part<'_>, at: usize) -> Vec<Precedes> {
         return Vec::new();
     };
     let gap = part.doors[from].last..to.first;
+    // Only with a verb and a second destination in the same clause; otherwise `nach` is a plain
+    // `to`.
     let is_parted = part.has_stop(gap.clone()) || has_word(reading, &gap, Class::And);
     let has_verb = has_word(reading, &gap, Class::Verb);
     if has_verb && has_word(reading, &gap, Class::Toward) && !is_parted {
@@ -334,6 +337,8 @@ fn put_earlier(part: &Part<'_>, at: usize) -> Vec<Precedes> {
     let Some(before) = part.door_before(at) else {
         return Vec::new();
     };
+    // At the beginning of a clause the word is of the doors behind it, else of the door before it:
+    // `A, and B before that`.
     if begins_a_clause(part.reading, at) {
         let behind: Vec<usize> = part.doors_behind_in_sentence(at).collect();
         if !behind.is_empty() {
@@ -390,6 +395,7 @@ fn around(part: &Part<'_>, at: usize, postfix: bool) -> Option<Precedes> {
             earlier: before,
             later: next,
         }),
+        // `before B, A`: nothing stands before the word, so the second door behind it comes first.
         (None, Some(second)) => Some(Precedes {
             earlier: second,
             later: next,

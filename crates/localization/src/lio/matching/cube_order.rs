@@ -45,9 +45,12 @@ impl CubeOrder {
             let place = rotation * point + lidar.translation.vector;
             self.unsorted_places.push(place);
             if let Some(cube) = cube_bits(place - corner) {
+                // 27 bits of the largest cube, 3 for each of 2 splits and 31 of the point: 64 in
+                // all.
                 self.keys.push(cube << POINT_BITS | number as u64);
             }
         }
+        // No two keys are equal, so the order does not depend on the algorithm.
         self.keys.sort_unstable();
         self.gather(points);
     }
@@ -60,6 +63,8 @@ impl CubeOrder {
             let old = point_number(*key);
             self.points.push(points[old]);
             self.places.push(self.unsorted_places[old]);
+            // The number fills the lowest bits. New numbers rise with the keys, which therefore
+            // stay sorted.
             *key = *key - old as u64 + new as u64;
         }
     }
@@ -67,6 +72,7 @@ impl CubeOrder {
 
 /// The runs of keys whose points lie in the same cube of a size.
 pub(super) fn cubes(keys: &[u64], size: usize) -> impl Iterator<Item = &[u64]> {
+    // What is left of a key numbers the cubes of this size.
     let shift = POINT_BITS + 3 * (SPLITS - size as u32);
     keys.chunk_by(move |a, b| a >> shift == b >> shift)
 }
@@ -94,9 +100,11 @@ fn cube_bits(point: Vector3<f64>) -> Option<u64> {
 
 /// A cell's coordinates as one number: the largest cube first, then the parts of each.
 fn interleaved(cell: Vector3<u64>) -> u64 {
+    // Without interleaving, since the points of one largest cube only need to be together.
     let mut bits = cell
         .iter()
         .fold(0, |bits, x| bits << AXIS_BITS | x >> SPLITS);
+    // One bit an axis says which half: three bits say which eighth of the cube.
     for split in (0..SPLITS).rev() {
         bits = cell
             .iter()

@@ -65,6 +65,8 @@ impl Gate {
         let incidence = Incidence::new(point, &self.normal);
         let variance = self.noise.variance_across(incidence) + ROUGHNESS_M * ROUGHNESS_M;
         let residual = incidence.along_normal + self.offset;
+        // Noise of the point and uncertainty of plane and pose are independent, so their variances
+        // add.
         let expected = GATE_DEVIATIONS * GATE_DEVIATIONS * (variance + self.variance);
         let passes = residual * residual < expected.min(self.widest);
         passes.then(|| Inlier {
@@ -78,6 +80,8 @@ impl Gate {
 fn pose_variance(view: &Viewpoint<'_>, plane: &Plane, place: Vector3<f64>) -> f64 {
     let into_imu = view.state.rotation.inverse();
     let arm = into_imu * (place - view.state.position);
+    // The IMU turned by δ in its own frame moves the place by δ × arm. Along n that is δ · (arm ×
+    // n).
     let turned = arm.cross(&(into_imu * plane.normal));
     let normal = plane.normal;
     let row = Vector6::new(turned.x, turned.y, turned.z, normal.x, normal.y, normal.z);

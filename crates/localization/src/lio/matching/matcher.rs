@@ -80,6 +80,7 @@ impl Matching {
         let mut all = 0.0;
         for cluster in &self.clusters {
             let points = cluster.points.weight;
+            // A full cube takes nothing: what is seen of it is known, and not new.
             if cluster.is_full {
                 all += points;
             } else if let Some(share) = insert_cluster(cluster, &lidar, map) {

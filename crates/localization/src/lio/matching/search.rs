@@ -49,6 +49,7 @@ impl Search<'_> {
         let Some(place) = Place::of(first, size) else {
             return;
         };
+        // One buffer for each size: smaller cubes fill theirs while this one is still read.
         let (mine, below) = left_over.split_at_mut(1);
         let rest = &mut mine[0];
         rest.clear();
@@ -57,6 +58,8 @@ impl Search<'_> {
         let is_full = content.is_some_and(|content| content.is_full);
         let plane = content.and_then(|content| content.plane);
         let observed = plane.map(|plane| self.observe(plane, keys, &mut points, rest));
+        // A cube without a plane collects all points, and so do the smaller ones in it: which of
+        // them will have a plane is not known yet.
         if observed.is_none() {
             for key in keys {
                 points.add(self.scan.points[point_number(*key)], 1.0);

@@ -102,6 +102,7 @@ impl Cube {
     fn fit(&mut self, middle: Vector3<f64>, noise: &LidarNoise) {
         let count = self.points.weight;
         self.fitted = count;
+        // A cube that turns out not to be flat loses its plane.
         self.plane = None;
         let shape = Shape::of(&self.points);
         if shape.is_flat() {
@@ -120,7 +121,10 @@ impl Cube {
             let ray = sum / count;
             let incidence = Incidence::new(&ray, &normal);
             self.noise_variances += noise.variance_across(incidence) * count;
+            // Only the part across the plane: a shift along it does not change the plane.
             let bias = normal * (incidence.along_normal * noise.grazing_bias(incidence));
+            // The sums no longer tell corrected points from uncorrected ones. All are moved, by the
+            // mean.
             let shift = -bias * (count / self.points.weight);
             let motion = Isometry3::translation(shift.x, shift.y, shift.z);
             self.points = self.points.moved(&motion);

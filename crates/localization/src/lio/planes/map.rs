@@ -98,6 +98,7 @@ impl PlaneMap {
 
     /// Drops all cubes that are farther than `distance` metres from a place along some axis.
     pub fn forget(&mut self, place: Vector3<f64>, distance: f64) {
+        // Once for the cubes and once for the backs.
         let sides = SIDES_M.iter().chain(&SIDES_M);
         for (cubes, side) in self.cubes.iter_mut().chain(&mut self.backs).zip(sides) {
             cubes.retain(|number, _| is_near(*number, *side, place, distance));

@@ -36,11 +36,13 @@ impl Place {
     pub fn of(point: Vector3<f64>, size: usize) -> Option<Self> {
         let half = HALF as f64;
         let cell = point.map(|x| libm::floor((x - CORNER_M) / SIDES_M[size]));
+        // NaN compares as false, and ends here too.
         if !cell.iter().all(|x| x.abs() < half) {
             return None;
         }
         let number = cell
             .iter()
+            // Three axes of 21 bits fill 63 of 64.
             .fold(0, |number, x| number << AXIS_BITS | (x + half) as u64);
         Some(Self {
             size,
@@ -79,6 +81,8 @@ impl Hasher for NumberHasher {
     }
 
     fn write_u64(&mut self, number: u64) {
+        // Fibonacci hashing: 2⁶⁴ over the golden ratio. A product mixes towards the high bits only,
+        // and tables use the low ones as well: hence the shift.
         let mixed = (self.0 ^ number).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         self.0 = mixed ^ (mixed >> 32);
     }

@@ -78,6 +78,7 @@ impl Plane {
     }
 
     fn tilted(&self, i: usize) -> PlaneError {
+        // As the slope of a regression: its variance falls with the spread of the points.
         let variance = self.offset() / self.spread[i];
         PlaneError {
             along: self.along[i],
@@ -126,6 +127,7 @@ impl Shape {
         order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
         Self {
             directions: order.map(|i| eigen.eigenvectors.column(i).into_owned()),
+            // Rounding may leave a variance below zero.
             variances: order.map(|i| eigen.eigenvalues[i].max(0.0)),
         }
     }

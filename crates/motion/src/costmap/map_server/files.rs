@@ -50,6 +50,7 @@ pub fn write(path: &Path, occupancy: &Occupancy) -> Result<(), MapServerError> {
         resolution: grid.cell,
         origin: vec![grid.origin.x, grid.origin.y, occupancy.yaw],
         negate: false,
+        // As ROS's map saver writes them. Grey 205 has p = 0.1961: just not free.
         occupied_thresh: 0.65,
         free_thresh: 0.196,
         mode: Mode::Trinary,
@@ -60,6 +61,7 @@ pub fn write(path: &Path, occupancy: &Occupancy) -> Result<(), MapServerError> {
         path: path.to_owned(),
         source: Box::new(source),
     })?;
+    // The image first: no description may name an image that is not there.
     write_atomically(&image, &pgm)?;
     write_atomically(path, yaml.as_bytes())?;
     Ok(())
@@ -79,6 +81,7 @@ fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, MapServerError> {
     }
     let file = std::fs::File::open(path).map_err(failed)?;
     let mut bytes = Vec::new();
+    // One byte more shows that a file is too long, without reading all of it.
     file.take(most + 1)
         .read_to_end(&mut bytes)
         .map_err(failed)?;

@@ -28,6 +28,7 @@ pub fn decode(
 ) -> Result<Occupancy, MapServerError> {
     let mut reader = ImageReader::new(Cursor::new(image));
     reader.set_format(ImageFormat::from_path(path).unwrap_or(ImageFormat::Pnm));
+    // Before decoding: the header of a small file may claim a huge image.
     let mut limits = image::Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(MOST_PIXELS), Some(MOST_PIXELS));
     reader.limits(limits);
@@ -44,6 +45,7 @@ pub fn decode(
         });
     }
     let has_alpha = image.color().has_alpha();
+    // A grey pixel becomes three equal colours, so that one mean serves all kinds of images.
     let image = image.to_rgba8();
     let value = |pixel: &image::Rgba<u8>| {
         description.occupancy(lightness(pixel, has_alpha, description.mode), pixel.0[3])
@@ -117,6 +119,7 @@ impl Description {
             _ if p < free => Occupancy::FREE,
             Mode::Trinary => Occupancy::UNKNOWN,
             Mode::Scale => {
+                // Both thresholds may be equal.
                 let graded = 100.0 * (p - free) / (occupied - free).max(1e-9);
                 graded.round().clamp(0.0, 100.0) as i8
             }

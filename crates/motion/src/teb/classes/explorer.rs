@@ -143,6 +143,7 @@ impl Explorer {
 
     fn lay_costs(&mut self, grid: &GridGeometry, obstacles: &[Obstacle], how: &Exploring) {
         self.costs.clear();
+        // Distances at first, up to the comfortable one; below they become costs.
         self.costs.resize(grid.len(), how.comfort);
         for obstacle in obstacles {
             each_cell_near(grid, obstacle, how.comfort, |cell, distance| {
@@ -197,6 +198,8 @@ impl Explorer {
         goal: MapPoint,
     ) -> ClassPath {
         let corners = self.straighten(grid, &found.cells);
+        // Start and goal themselves replace the middles of their cells. A path may be a single
+        // cell.
         let inner = corners[1..corners.len().max(2) - 1]
             .iter()
             .map(|&cell| grid.center(cell));
@@ -247,6 +250,7 @@ impl Explorer {
 /// mirrored cells.
 fn window(start: MapPoint, goal: MapPoint, how: &Exploring) -> GridGeometry {
     let (width, height) = ((goal.x - start.x).abs(), (goal.y - start.y).abs());
+    // Places far apart get coarser cells, so that a search takes no longer.
     let side = width.max(height) + 2.0 * how.around;
     let cell = how.cell.max(side / MOST_CELLS as f64);
     let columns = cells_over(width + 2.0 * how.around, cell);

@@ -82,6 +82,8 @@ impl ClassSearch {
             }
             let here = self.reached[entry];
             if here.cell == to {
+                // Costs are in sides of cells, and a metre more is always allowed. The first goal
+                // sets the limit: it is the cheapest.
                 limit = limit.min(field.longest * here.cost + 1.0 / field.grid.cell);
                 found.push(entry);
                 continue;

@@ -19,13 +19,17 @@ pub struct Signature(u128);
 impl Signature {
     /// Counts a step from `a` to `b` if it crosses the ray north from the cluster of a number.
     pub(super) fn wound(self, number: usize, cluster: MapPoint, a: MapPoint, b: MapPoint) -> Self {
+        // Half-open: a corner of the path on the ray counts for one of its two steps only.
         if (a.x < cluster.x) == (b.x < cluster.x) {
             return self;
         }
         let share = (cluster.x - a.x) / (b.x - a.x);
+        // South of the cluster there is no ray.
         if a.y + share * (b.y - a.y) <= cluster.y {
             return self;
         }
+        // 24 + 8 fields of 4 bits fill the number. Counts are modulo 16; the mask below keeps a
+        // carry out of the next field.
         let one = 1u128 << (BITS * number);
         let field = 0xf_u128 << (BITS * number);
         let turned = if a.x < b.x {

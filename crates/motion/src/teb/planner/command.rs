@@ -110,6 +110,7 @@ impl Teb {
                 causes.obstacle = causes.obstacle.or(Some(ahead));
                 continue;
             }
+            // A slower robot is not where the band says it is, and is predicted by its command.
             let followed = plan.filter(|_| velocity == planned);
             if caution.cuts_off(situation, velocity, followed) {
                 causes.yielding = true;
@@ -145,6 +146,7 @@ impl Teb {
     fn slower(&self, now: Velocity, wanted: Velocity) -> impl Iterator<Item = Velocity> + use<> {
         let most = self.limits.acceleration * COMMAND_S;
         let gently = GENTLY.map(move |share| {
+            // No harder than to standing, and no faster than wanted.
             let linear = now.linear - share * most.min(now.linear.abs()).copysign(now.linear);
             let fastest = wanted.linear.abs();
             Velocity::new(linear.clamp(-fastest, fastest), wanted.angular)
@@ -153,6 +155,7 @@ impl Teb {
         let gently = gently.into_iter().filter(move |_| is_fast);
         let shares = SHARES.map(move |(v, w)| Velocity::new(v * wanted.linear, w * wanted.angular));
         let moves = move |v: &Velocity| {
+            // A standstill is offered only if it is wanted: otherwise the cause is reported.
             v.linear.abs() > LEAST_MPS || v.angular.abs() > LEAST_RADPS || *v == wanted
         };
         std::iter::once(wanted)

@@ -28,6 +28,7 @@ impl Teb {
             return None;
         }
         let progress = self.drive_out(situation, end)?;
+        // The bands do not begin where this motion leads.
         self.candidates.clear();
         self.hesitation.forget();
         self.last = Some(Planned {

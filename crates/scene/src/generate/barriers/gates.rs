@@ -55,6 +55,8 @@ pub(crate) fn between_gates(
             continue;
         };
         if let Some(crossing) = line.crossing(lane.ends(roads)) {
+            // Half of the road with its pavement, measured across it; along the wall the gap is
+            // wider.
             let across = profile.width / 2.0 + profile.pavement + GATE_MARGIN_M;
             // A road nearly along the wall would open all of it.
             let half = across / crossing.sine.max(LEAST_SINE);
@@ -69,12 +71,14 @@ pub(crate) fn between_gates(
 fn without(stretch: Segment, mut gaps: Vec<Range<f64>>) -> Vec<Segment> {
     let length = stretch.length();
     gaps.sort_by(|p, q| p.start.total_cmp(&q.start));
+    // An empty gap at the end closes the last piece.
     gaps.push(length..length);
     let (mut kept, mut from) = (Vec::new(), 0.0);
     for gap in gaps {
         if gap.start - from > SHORTEST_M {
             kept.push(stretch.part(from / length, gap.start.min(length) / length));
         }
+        // Gaps may overlap, and a wide one may hold a narrow one.
         from = f64::max(from, gap.end);
     }
     kept

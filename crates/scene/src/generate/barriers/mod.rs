@@ -61,6 +61,7 @@ impl Build {
 pub(super) fn build(inputs: &Inputs, out: &mut Output) {
     let map = inputs.map;
     for barrier in &map.barriers {
+        // A stream for each way: a change to one barrier leaves the others as they are.
         let mut rng = stream(inputs.seed, Purpose::Barrier, barrier.way as u64);
         let build = build_of(&barrier.tags, &inputs.palette, &mut rng);
         out.scene
@@ -78,6 +79,7 @@ pub(super) fn build(inputs: &Inputs, out: &mut Output) {
 
 /// The stretches of all barriers that stop a robot.
 pub(super) fn standing(map: &OsmMap, lanes: &Lanes) -> Vec<Segment> {
+    // The kinds for which `build_of` builds something solid.
     const SOLID: [&str; 8] = [
         "wall",
         "city_wall",
@@ -130,6 +132,7 @@ fn build_of(tags: &Tags, palette: &Palette, rng: &mut Pcg64Mcg) -> Build {
     match kind(tags) {
         "wall" | "city_wall" | "retaining_wall" => {
             let surface = pick(rng, &palette.free_walls);
+            // Drawn also where the map has a height, so that the tag does not shift later draws.
             let drawn = between(rng, 1.5, 2.0);
             Build::Masonry {
                 surface,
@@ -197,6 +200,7 @@ fn masonry(
     let (pose, length) = (line.pose(), line.length());
     let half = WALL_THICKNESS_M / 2.0;
     let wall = Block {
+        // Longer by half the thickness at both ends, so that stretches close around their corners.
         min: [-half, -half, 0.0],
         max: [length + half, half, height],
     };
@@ -212,9 +216,11 @@ fn masonry(
 fn panels(scene: &mut SceneBuilder, surface: Surface, post: Surface, line: Segment, height: f64) {
     see_through(scene, surface, line, 0.0..height);
     let Segment { start: a, end: b } = line;
+    // Rays pass between the bars; a robot does not.
     let corners = [at(a, 0.0), at(b, 0.0), at(b, height), at(a, height)];
     facet(scene, Layer::Solid, surface, &corners);
     let length = line.length();
+    // Spans between posts; there is one post more, at the end.
     let posts = ((length / POST_SPACING_M) as usize).min(MAX_POSTS) + 1;
     for i in 0..=posts {
         let x = length * i as f64 / posts as f64;

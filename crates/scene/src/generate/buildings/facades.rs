@@ -36,6 +36,7 @@ pub(super) fn build(
     rng: &mut Pcg64Mcg,
 ) {
     bare_wall(out, house, line);
+    // On a low wall, at most a quarter of it.
     let plinth = 0.0..PLINTH_M.min(house.eaves / 4.0);
     wall(
         &mut out.scene,
@@ -44,6 +45,7 @@ pub(super) fn build(
         raised(line, RELIEF_M),
         plinth,
     );
+    // Windows on a party wall would be seen by nobody, and cost triangles.
     let is_bare = house.plain || out.is_full() || line.length() < SHORTEST_M;
     if is_bare || is_party_wall(inputs, line) {
         return;
@@ -69,6 +71,8 @@ pub(super) fn build_above(
     if house.plain || out.is_full() || is_low || line.length() < SHORTEST_M {
         return;
     }
+    // A part's wall may look over the roof of its own building, which also counts as a building
+    // before it.
     let is_inside = outline.contains(line.middle().offset(line.outward(), 0.4));
     if is_inside || !is_party_wall(inputs, line) {
         windows::build(inputs, out, house, line, &[], hidden, rng);
@@ -107,6 +111,7 @@ fn ornaments(
     };
     if house.quoins && length > 3.0 {
         for span in [0.0..QUOIN_WIDTH_M, length - QUOIN_WIDTH_M..length] {
+            // Corner stones leave room for a door and its plate.
             if is_free(&span) {
                 let stones = raised(line.part(span.start / length, span.end / length), RELIEF_M);
                 let z = PLINTH_M..house.eaves;
@@ -120,6 +125,7 @@ fn ornaments(
             }
         }
     }
+    // Beside the corner stones, and in front of what is raised by one relief.
     let pipe = QUOIN_WIDTH_M + 0.1..QUOIN_WIDTH_M + 0.1 + PIPE_WIDTH_M;
     if house.detailed && length > 4.0 && is_free(&pipe) {
         let foot = |run: f64| line.at(run / length).offset(line.outward(), 2.0 * RELIEF_M);

@@ -132,6 +132,7 @@ pub(super) fn design(
     let plain = is_outbuilding(tags);
     let Storeys { levels, eaves } = storeys(tags, area, plain, rng);
     let roof = roof_of(tags, &rings, levels, rng);
+    // The windows of one house share an image; shutters make it wider.
     let shuttered = chance(rng, 0.3);
     let windows = pick(
         rng,
@@ -141,14 +142,18 @@ pub(super) fn design(
             &palette.windows
         },
     );
+    // Narrower between shutters, which take wall on both sides.
     let width = between(rng, 1.0, 1.5) * if shuttered { 0.85 } else { 1.0 };
     let is_cottage = detailed && levels < TOWN_LEVELS;
+    // Shutters of neighbouring windows must not overlap.
     let least_spacing = if shuttered {
         width * SHUTTERED_WIDTHS + 0.5
     } else {
         0.0
     };
     House {
+        // The fields are evaluated in the order in which they are written, which is that of the
+        // draws.
         foot: 0.0,
         eaves,
         levels,
@@ -186,6 +191,7 @@ pub(super) fn design(
 
 /// The shops of a building: where the map has them, and in some tall houses.
 fn shops(tags: &Tags, levels: usize, palette: &Palette, rng: &mut Pcg64Mcg) -> Option<Shops> {
+    // All draws come before the decision, so that a house without shops draws as many numbers.
     let (drawn, covered) = (chance(rng, 0.35), chance(rng, 0.5));
     let shops = Shops {
         windows: palette.shop_windows,
@@ -242,9 +248,11 @@ pub(super) fn foot_of(tags: &Tags) -> Option<f64> {
 
 /// Floors and height of a building that covers `area` m².
 pub(super) fn storeys(tags: &Tags, area: f64, plain: bool, rng: &mut Pcg64Mcg) -> Storeys {
+    // Drawn also where the map has a number: its tags must not shift later draws.
     let drawn = if plain {
         1
     } else if area > TALL_M2 {
+        // An entry that is listed twice is drawn twice as often, here and in other lists.
         pick(rng, &[3, 3, 4, 5])
     } else {
         pick(rng, &[1, 2, 2, 2])
@@ -286,9 +294,11 @@ pub(super) fn roof_of(
     let quad = rings.len() == 1 && is_rectangle(&rings[0]);
     match tags.get("roof:shape") {
         Some("flat") => return Roof::Flat,
+        // Gables and hips need a rectangle. Over other outlines a mansard comes nearest, see below.
         Some("gabled" | "saltbox" | "gambrel") if quad => return Roof::Gabled(slope),
         Some("hipped" | "half-hipped") if quad => return Roof::Hipped(slope),
         Some("pyramidal" | "cone" | "dome" | "onion" | "round") if rings.len() == 1 => {
+            // The slope over half the side of a square of the same area.
             let usual = slope * signed_area(&rings[0]).max(0.0).sqrt() / 2.0;
             let rise = metres(tags, "roof:height").unwrap_or(usual);
             return Roof::Tent(rise.clamp(0.3, 60.0));

@@ -70,8 +70,10 @@ fn build_one(
     doors: &[Doorway],
 ) {
     let element = element_number(building.element);
+    // By the map's element, not by its place in the list, which other buildings shift.
     let mut rng = stream(inputs.seed, Purpose::Building, element);
     let mut house = design(building, &inputs.palette, inputs.detailed, &mut rng);
+    // Nothing solid: robot and people pass below.
     if is_open_below(&building.tags) {
         raised_walls(out, &house, building);
         roofs::shelter(out, &house);
@@ -121,6 +123,7 @@ fn garage_door(inputs: &Inputs, out: &mut Output, building: &Building, rng: &mut
     let wide = walls(building)
         .into_iter()
         .filter(|wall| wall.length() > SHORTEST_GARAGE_WALL_M);
+    // From before the wall, where the house itself is not in between.
     let nearest = wide.min_by(|s, t| to_road(s).total_cmp(&to_road(t)));
     let Some(wall) = nearest else { return };
     let pose = wall.facing_out(0.5);

@@ -55,6 +55,7 @@ pub(super) fn of_buildings<'a>(
     let mut found: BTreeMap<usize, Vec<&Area>> = BTreeMap::new();
     let mut stray = 0;
     for area in map.areas.iter().filter(|a| a.tags.says("building:part")) {
+        // A point inside the part, since its corners lie on walls that buildings share.
         let around = map.buildings_within(area.polygon.interior_point(), 0.0);
         let Some(index) = around.first() else {
             stray += 1;
@@ -90,12 +91,14 @@ pub(super) fn design_parts(
         .iter()
         .map(|area| design_part(inputs, house, area))
         .collect();
+    // Parts that lie over each other count twice: exact enough for a share.
     let covered: f64 = areas.iter().map(|a| a.polygon.area()).sum();
     if covered >= COVERED * building.polygon.area() {
         lower_to_base(house, &houses);
     }
     let base = house.eaves;
     for part in &mut houses {
+        // What is below the base's top is inside the base.
         let foot = part.foot.max(base);
         part.levels = (((part.eaves - foot) / STOREY_M).round() as usize).clamp(1, 200);
         part.foot = foot;
@@ -119,6 +122,7 @@ pub(super) fn design_parts(
 fn lower_to_base(house: &mut House, parts: &[House]) {
     let lowest = parts
         .iter()
+        // A part on the ground ends the base at its top; one that hangs in the air, at its foot.
         .map(|p| if p.foot < 1.0 { p.eaves } else { p.foot });
     let top = lowest.fold(house.eaves, f64::min).max(LOWEST_BASE_M);
     house.eaves = top;
@@ -133,7 +137,9 @@ fn design_part(inputs: &Inputs, house: &House, area: &Area) -> House {
     let has_height = ["height", "building:levels"]
         .iter()
         .any(|key| area.tags.has(key));
+    // Without a height of its own, a part is as high as its building.
     let eaves = if has_height {
+        // The area decides drawn floors only, and these are mapped.
         storeys(&area.tags, 0.0, false, &mut rng).eaves
     } else {
         house.eaves
@@ -178,6 +184,7 @@ pub(super) fn build(
         house.facade,
         house.outer(),
         house.holes(),
+        // A centimetre above the base's top, since two faces in one plane show through each other.
         house.foot + 0.01,
     );
     for wall in house.rings.iter().flat_map(|ring| sides(ring)) {

@@ -51,6 +51,7 @@ impl Span {
         let [a, b, c, d] = self.corners;
         let grow = |p: MapPoint, along: MapPoint, across: MapPoint| {
             let q = away(away(p, along, over_gables), across, OVERHANG_M);
+            // The slope goes on over the wall, so its edge is below the eaves.
             at(q, self.eaves - OVERHANG_M * self.slope)
         };
         [grow(a, b, d), grow(b, a, c), grow(c, d, b), grow(d, c, a)]

@@ -87,6 +87,7 @@ fn gabled(inputs: &Inputs, out: &mut Output, house: &House, slope: f64, rng: &mu
     let scene = &mut out.scene;
     facet(scene, Layer::Visible, house.roofing, &[e0, e1, r1, r0]);
     facet(scene, Layer::Visible, house.roofing, &[e2, e3, r0, r1]);
+    // The gable walls end at the ridge itself, without the overhang.
     let [top0, top1] = span.ridge(0.0);
     let [a, b, c, d] = span.corners.map(|p| at(p, house.eaves));
     facet(scene, Layer::Visible, house.facade, &[b, c, top1]);
@@ -111,6 +112,8 @@ fn gabled(inputs: &Inputs, out: &mut Output, house: &House, slope: f64, rng: &mu
 
 fn hipped(inputs: &Inputs, out: &mut Output, house: &House, slope: f64, rng: &mut Pcg64Mcg) {
     let span = Span::of(house.outer(), house.eaves, slope);
+    // With the ridge's ends half a width inside, all four slopes are alike. Over a square the ridge
+    // would vanish: 10 cm of it stay.
     let inside = span.half_width.min(span.length() / 2.0 - 0.05);
     let ([e0, e1, e2, e3], [r0, r1]) = (span.edge(OVERHANG_M), span.ridge(inside));
     let scene = &mut out.scene;
@@ -166,12 +169,14 @@ fn mansard(inputs: &Inputs, out: &mut Output, house: &House, rng: &mut Pcg64Mcg)
 
 fn flat(out: &mut Output, house: &House, rng: &mut Pcg64Mcg) {
     cover(&mut out.scene, house);
+    // A mansard that was given up has walls without a parapet, and needs no coping.
     if house.roof != Roof::Flat || out.is_full() {
         return;
     }
     let top = house.eaves + PARAPET_M;
     for wall in house.rings.iter().flat_map(|ring| sides(ring)) {
         let coping = Block {
+            // The building is to the left of its walls: the coping covers the parapet inwards.
             min: [-0.06, -0.06, top - 0.02],
             max: [wall.length() + 0.06, 0.28, top + 0.08],
         };
@@ -194,6 +199,7 @@ fn stair_head(scene: &mut SceneBuilder, house: &House, rng: &mut Pcg64Mcg) {
         return;
     };
     let p = polygon.interior_point();
+    // The farthest corner of the two, one of the ventilator's, is 2.55 m from `p`.
     if polygon.distance_to_boundary(p) < 2.6 {
         return;
     }
@@ -239,6 +245,7 @@ fn roof_windows(
     rng: &mut Pcg64Mcg,
 ) {
     let count = between(rng, 0.0, 3.9) as usize;
+    // A little above the slope, which would show through the windows otherwise.
     let normal = (e1 - e0).cross(&(r0 - e0)).normalize() * 0.05;
     for i in 0..count {
         let share = (i as f64 + 1.0) / (count as f64 + 1.0);
@@ -328,6 +335,7 @@ fn chimney(
     if !chance(rng, 0.75) {
         return;
     }
+    // Away from the gables, so that the whole stack stands in the roof.
     let p = r0 + (r1 - r0) * between(rng, 0.15, 0.85);
     let ridge = Segment::new(MapPoint::new(r0.x, r0.y), MapPoint::new(r1.x, r1.y));
     let pose = Pose2::new(p.x, p.y, ridge.bearing());

@@ -20,6 +20,7 @@ pub(crate) fn walls(building: &Building) -> Vec<Segment> {
 pub(super) fn straightened(ring: &[MapPoint]) -> Vec<MapPoint> {
     let mut kept = ring.to_vec();
     let mut i = 0;
+    // A ring keeps three corners at least.
     while i < kept.len() && kept.len() > 3 {
         let n = kept.len();
         let neighbours = Segment::new(kept[(i + n - 1) % n], kept[(i + 1) % n]);

@@ -60,9 +60,11 @@ pub(super) fn build(
     let length = line.length();
     let columns = (((length - 0.6) / house.spacing) as usize).clamp(1, MAX_COLUMNS);
     let column_width = length / columns as f64;
+    // Some wall is left at both ends, and between two windows.
     let half = house.window_width.min(length - 0.5).min(column_width - 0.3) / 2.0;
     let storey = house.storey();
     let has_room = storey > SHOP_STOREY_M && length > 4.0;
+    // A shop looks onto a road, a path or paved ground.
     let shops = house
         .shops
         .filter(|_| has_room && looks_to_street(inputs, line));
@@ -79,11 +81,13 @@ pub(super) fn build(
             let floor = house.foot + level as f64 * storey;
             let is_ground = level == 0 && house.foot == 0.0;
             let is_shop = is_ground && shops.is_some();
+            // Shop windows leave only narrow pillars between them.
             let half = if is_shop { column_width * 0.43 } else { half };
             let in_door = |door: &Range<f64>| {
                 middle + half + DOOR_MARGIN_M > door.start
                     && middle - half - DOOR_MARGIN_M < door.end
             };
+            // Another part of the building hides more than the lowest half metre of this storey.
             if floor + 0.5 < hidden || is_ground && doors.iter().any(in_door) {
                 continue;
             }
@@ -185,6 +189,7 @@ fn ledge(scene: &mut SceneBuilder, house: &House, pose: Pose2, Block { min, max 
         pose.transform(max[0], max[1]),
     );
     wall(scene, Layer::Visible, house.trim, line, min[2]..max[2]);
+    // Either its underside or its top is seen from the ground, never both.
     let z = if min[2] > EYE_HEIGHT_M {
         min[2]
     } else {

@@ -76,6 +76,7 @@ pub(crate) fn build(
         );
     };
     add(
+        // Visible only: at 18 mm it is no obstacle, and wheels need not climb it.
         palette.doorstep,
         [0.0, -0.8, 0.0],
         [1.0, 0.8, STEP_HEIGHT_M],
@@ -133,6 +134,7 @@ fn plate(out: &mut Output, door: &Doorway) {
     let Hanging { height, depth } = if on_leaf { ON_LEAF } else { BESIDE_DOOR };
     let pose = door.pose();
     let back = pose.transform(depth, door.plate_offset);
+    // Plates with one text share an image.
     let face = out.plate_face(&door.text);
     let hung = plate_pose([back.x, back.y, height], door.facing);
     hang_plate(&mut out.scene, face, &hung, PLATE_THICKNESS_M);

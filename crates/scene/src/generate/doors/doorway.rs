@@ -51,6 +51,7 @@ impl Doorway {
         let direction = wall.bearing();
         let in_wall = Pose2::new(wall.start.x, wall.start.y, direction);
         let (along, aside) = in_wall.inverse_transform(self.position);
+        // A wall has its building on the left, so a door faces to its right.
         let parallel = libm::cos(self.facing + FRAC_PI_2 - direction) > 0.99;
         if !parallel || aside.abs() > OFF_WALL_M || along < 0.0 || along > wall.length() {
             return None;

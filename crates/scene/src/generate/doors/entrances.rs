@@ -20,6 +20,7 @@ use crate::generate::seeds::{Purpose, chance, element_number, stream};
 use crate::plate::PLATE_WIDTH_M;
 
 /// Middle of the plate from the middle of the door along the wall, metres.
+// Half a leaf, the frame, a gap of 10 cm, and half a plate.
 const PLATE_OFFSET_M: f64 = 1.25;
 /// Space between a plate and the end of its wall, metres.
 const PLATE_MARGIN_M: f64 = 0.1;
@@ -130,6 +131,8 @@ impl Placer<'_> {
     /// Doors at the entrances that the map has.
     fn mapped(&mut self, index: usize, entrances: &[&Entrance]) -> Vec<Doorway> {
         let mut doors: Vec<Doorway> = Vec::new();
+        // All mapped units first, so that a door without one does not take a number that a later
+        // door has.
         let given: Vec<Option<String>> = entrances.iter().map(|e| self.unit_of(e)).collect();
         for (entrance, own) in entrances.iter().zip(&given) {
             let known = self.names.given(index).map(|name| fold(&name));
@@ -138,14 +141,17 @@ impl Placer<'_> {
                 .cloned()
                 .unwrap_or_default();
             let unit = own.clone().or_else(|| free_unit(&used, &given));
+            // An address names one door: a second door of that unit could not be told from it.
             let Some(unit) = unit.filter(|u| !used.contains(u)) else {
                 self.repeated += 1;
                 continue;
             };
+            // Before the unit is taken: an entrance without a place leaves its unit free.
             let Some(place) = self.place_near(index, entrance.position, &doors) else {
                 self.unplaced += 1;
                 continue;
             };
+            // By the map's node, so that other doors do not change these draws.
             let mut rng = stream(self.seed, Purpose::Doorway, entrance.node as u64);
             let address = self.take(index, place.foot, &unit);
             doors.push(doorway(index, address, &unit, place, &mut rng, &doors));
@@ -170,6 +176,7 @@ impl Placer<'_> {
             .iter()
             .map(|u| fold_unit(u))
             .find(|u| fits_on_plate(u))?;
+        // Such a door gets a number instead, and numbers are few.
         if !self.texts.contains(&unit) && self.texts.len() >= MAX_TEXTS {
             return None;
         }
@@ -181,10 +188,13 @@ impl Placer<'_> {
     fn place_near(&self, index: usize, point: MapPoint, others: &[Doorway]) -> Option<Place> {
         let mut near: Vec<Candidate> = walls(&self.map.buildings[index])
             .into_iter()
+            // More than twice the margin of `candidate_near`, so that the bounds there are in
+            // order.
             .filter(|wall| wall.length() > LEAF_WIDTH_M + 0.6)
             .map(|wall| candidate_near(wall, point))
             .filter(|candidate| candidate.cost <= REACH_M)
             .collect();
+        // A stable sort: walls at one distance keep the order of the outline.
         near.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let fits = |place: &Place| {
             let apart = |d: &Doorway| d.position.distance(place.foot) > LEAF_WIDTH_M + 0.4;
@@ -238,6 +248,7 @@ impl Placer<'_> {
         places
             .filter(|place| self.front_is_free(place) && self.is_unshared(place))
             .map(|place| {
+                // From before the wall: a road behind the building is farther off.
                 let before = place.foot.offset(place.wall.outward(), 1.0);
                 let cost = self.clearance.distance(before, ROAD | PATH, STREET_REACH_M);
                 Candidate { place, cost }
@@ -276,6 +287,7 @@ fn fits_on_plate(unit: &str) -> bool {
 /// The place in a wall that is nearest to a point, far enough from its ends for a door.
 fn candidate_near(wall: Segment, point: MapPoint) -> Candidate {
     let length = wall.length();
+    // The nearest place, moved away from the corners so far that leaf and frame fit.
     let along = wall.nearest_point(point).share * length;
     let margin = LEAF_WIDTH_M / 2.0;
     let foot = wall.at(along.clamp(margin + 0.25, length - margin - 0.25) / length);

@@ -69,6 +69,7 @@ impl<'a> Names<'a> {
         let mut begins = Vec::with_capacity(map.roads.len());
         for road in &map.roads {
             let street = road.tags.get("name").unwrap_or_default();
+            // A street is often mapped in several ways; its numbers go on from one to the next.
             let so_far = lengths.entry(street).or_default();
             begins.push(*so_far);
             *so_far += length(&road.points);
@@ -97,6 +98,7 @@ impl<'a> Names<'a> {
             return name.clone();
         }
         let Named { name, tags } = self.choose(index, building, door);
+        // A name of the map itself needs no note: `locate` finds it.
         if !tags.is_empty() {
             self.taken.insert(fold(&name));
             self.added.push(AddedTags {
@@ -132,6 +134,8 @@ impl<'a> Names<'a> {
         let street = own("addr:street").or_else(|| own("addr:place"));
         let number = own("addr:housenumber");
         let known = known_names(building, street.as_deref(), number.as_deref());
+        // From the surest to the least sure: own name or address, address of a node, number in a
+        // street.
         if let Some(name) = known.iter().find(|name| self.is_unique(name)) {
             return Named {
                 name: name.clone(),
@@ -142,6 +146,7 @@ impl<'a> Names<'a> {
         if let Some(found) = on_node.and_then(|a| self.address(&a.street, &a.number)) {
             return found;
         }
+        // A number that belongs to another street is none in this one.
         if let Some(found) = self.in_street(number.filter(|_| street.is_none()), door) {
             return found;
         }
@@ -156,6 +161,7 @@ impl<'a> Names<'a> {
 
     /// `building<N>`, with the first number from the building's index on that is free.
     fn numbered(&self, index: usize) -> Named {
+        // One more number than there are buildings that could have taken one.
         let mut names = (index + 1..=index + self.map.buildings.len() + 1)
             .map(|number| format!("building{number}"));
         let name = names.find(|name| self.is_free(name)).unwrap_or_default();
@@ -176,12 +182,15 @@ impl<'a> Names<'a> {
         if let Some(found) = given.and_then(|number| self.address(street, &number)) {
             return Some(found);
         }
+        // In the axes of the street's segment: how far along it, and on which side.
         let (run, aside) = lane.ends(&self.map.roads).pose().inverse_transform(door);
         let before = length(&road.points[..=lane.segment as usize]);
         let along = self.begins[lane.road as usize] + before + run.max(0.0);
         let plot = (along / PLOT_M).min(1e6) as u32;
+        // Odd numbers on the left. On streets of absurd length the numbers begin again.
         let first = 2 * (plot % (MOST_NUMBERS / 2)) + if aside > 0.0 { 1 } else { 2 };
         (first..=MOST_NUMBERS + 2)
+            // By two, so that the number stays on its side of the street.
             .step_by(2)
             .find_map(|number| self.address(street, &number.to_string()))
     }

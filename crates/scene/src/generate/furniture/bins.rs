@@ -44,6 +44,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
         for i in 0..count {
             let left = SPACING_M * i as f64;
             let p = at_wall.transform(FROM_WALL_M, left);
+            // Before the bin, there is room to go past.
             let passage = at_wall.transform(1.9, left);
             let free = occupied.is_free_at(p, 0.45, in_the_way)
                 && occupied.is_free_at(passage, 1.0, BUILDING | BARRIER);

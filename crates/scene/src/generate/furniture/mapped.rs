@@ -34,6 +34,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
         let Some(kind) = kind_of(feature) else {
             continue;
         };
+        // The count of triangles only grows, so no later piece would be built either.
         if out.is_full() {
             break;
         }
@@ -68,6 +69,7 @@ fn facing(inputs: &Inputs, feature: &Feature) -> f64 {
         .get("direction")
         .and_then(|d| d.parse::<f64>().ok());
     if let Some(degrees) = direction.filter(|d| d.is_finite()) {
+        // OSM counts clockwise from north, `map` counter-clockwise from east.
         return wrap_angle(FRAC_PI_2 - degrees.to_radians());
     }
     let roads = &inputs.map.roads;
@@ -77,6 +79,7 @@ fn facing(inputs: &Inputs, feature: &Feature) -> f64 {
     nearest.map_or(0.0, |nearest| {
         let ends = nearest.lane.ends(roads);
         let length = ends.length().max(1e-9);
+        // Towards the nearest point of the road's segment.
         let (run, _) = ends.pose().inverse_transform(feature.position);
         feature
             .position
@@ -205,6 +208,7 @@ fn lamp(piece: &mut Piece) {
 
 fn bench(piece: &mut Piece) {
     let (wood, metal) = (piece.palette.wood, piece.palette.dark_metal);
+    // A seat of three boards, a back of two, and two frames under them.
     for x in [-0.18, 0.0, 0.18] {
         piece.block(
             Layer::Both,

@@ -39,6 +39,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
             let core = pick(&mut rng, &inputs.palette.crowns).core;
             if !out.is_full() && occupied.is_free_at(p, radius, ROAD | BUILDING | WATER) {
                 out.scene.begin_object("tree", SemanticClass::Vegetation);
+                // Sunk into the ground a little, so that no trunk is needed.
                 let center = at(p, half_height * 0.85);
                 let crown = Ball {
                     center,

@@ -95,6 +95,7 @@ impl Sphere {
         let mut points = self.points;
         let mut middles = BTreeMap::new();
         let mut middle = |a: u32, b: u32| {
+            // Two faces share an edge, and its middle with it: the ball stays closed.
             *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
                 points.push((points[a as usize] + points[b as usize]).normalize());
                 points.len() as u32 - 1

@@ -105,6 +105,7 @@ fn section(pose: Pose2, run: f64, size: Size, rng: &mut Pcg64Mcg) -> Section {
         let p = pose.transform(run, side * half + dent(rng));
         at(
             p,
+            // The foot stays on the ground.
             if up > 0.0 {
                 up * size.height + dent(rng)
             } else {
@@ -122,6 +123,7 @@ fn dent(rng: &mut Pcg64Mcg) -> f64 {
 /// The surface between two cross sections.
 fn ribs(scene: &mut SceneBuilder, surface: Surface, first: &Section, second: &Section) {
     let tile = |v: f64| (v / surface.tile) as f32;
+    // The image runs along the hedge and around its cross section, in metres both ways.
     let mut around = 0.0;
     let mut corners: Vec<Corner> = Vec::with_capacity(2 * CORNERS);
     for k in 0..CORNERS {

@@ -29,9 +29,11 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
     for i in 0..wanted.min(MOST) {
         let x = between(&mut rng, low.x, high.x);
         let p = MapPoint::new(x, between(&mut rng, low.y, high.y));
+        // The crown stays clear of buildings and other trees, the trunk of everything else.
         let free = occupied.is_free_at(p, 2.6, BUILDING | OBJECT)
             && occupied.is_free_at(p, 1.0, EVERYTHING);
         if free {
+            // A stream for each tree: places where none fits do not change the others.
             let mut own = stream(inputs.seed, Purpose::Planting, 1 + i as u64);
             let is_conifer = chance(&mut own, 0.2);
             tree::build(inputs, occupied, out, p, is_conifer, &mut own);

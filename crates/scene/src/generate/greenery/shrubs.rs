@@ -40,6 +40,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
                 let radius = between(&mut rng, 0.3, 0.45);
                 let wanted = chance(&mut rng, SHARE * inputs.options.planting);
                 let p = foot.offset(outward, radius + 0.08);
+                // Before the shrub, there is room to go past.
                 let passage = foot.offset(outward, 2.2);
                 let free = wanted
                     && occupied.is_free_at(p, radius + 0.3, in_the_way)

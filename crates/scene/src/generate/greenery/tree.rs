@@ -94,6 +94,7 @@ pub(super) fn build(
     } else {
         broadleaf(inputs, girth, rng).build(&mut out.scene, p, rng);
     }
+    // The trunk alone: crowns may touch, and cars park below them.
     occupied.add_disc(p, girth);
 }
 
@@ -111,6 +112,7 @@ fn conifer(inputs: &Inputs, scene: &mut SceneBuilder, p: MapPoint, girth: f64, r
     let tiers = if inputs.detailed { 5 } else { 3 };
     for tier in 0..tiers {
         let share = f64::from(tier) / f64::from(tiers);
+        // Each cone reaches half a tier into the next, so that no gap is seen between them.
         let reach = (share + 1.5 / f64::from(tiers)).min(1.0);
         let z = 0.9 + share * (height - 0.9) * 0.85..0.9 + reach * (height - 0.9);
         let radius = width * (1.0 - 0.78 * share) * between(rng, 0.88, 1.08);
@@ -149,6 +151,7 @@ fn broadleaf(inputs: &Inputs, girth: f64, rng: &mut Pcg64Mcg) -> Broadleaf {
         } else {
             pick(rng, &palette.crowns)
         },
+        // Four more balls a tree are too many for a town.
         wide: form == Wide && inputs.detailed,
     }
 }
@@ -160,11 +163,13 @@ impl Broadleaf {
         let trunk = Frustum {
             center: p,
             sides: 6,
+            // Half a metre into the crown, so that no gap is seen below it.
             z: 0.0..self.trunk + 0.5,
             radii: [self.girth, self.girth * 0.7],
         };
         frustum(scene, Layer::Both, self.bark, trunk);
         let center = at(p, self.trunk + half_height * 0.85);
+        // An opaque core, and around it a shell of leaves with holes.
         let dense = Ball {
             center,
             radius: radius * 0.78,

@@ -18,6 +18,7 @@ const MOST: usize = 500;
 pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) {
     let in_the_way = BUILDING | DOOR | START | OBJECT | ROAD;
     for row in &inputs.tree_rows {
+        // The bit keeps rows apart from single trees and from woods, which have the highest.
         let mut rng = stream(inputs.seed, Purpose::Tree, row.way as u64 | 1 << 62);
         let is_conifer = chance(&mut rng, 0.1);
         for segment in segments(&row.line) {

@@ -36,6 +36,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
             0.2
         };
         let Bounds { low, high } = area.polygon.bounds();
+        // Of a large forest only the part near the buildings is planted.
         let (low, high) = (nearby(extent, low), nearby(extent, high));
         let wanted = ((high.x - low.x) * (high.y - low.y) / AREA_OF_TREE_M2) as usize;
         for _ in 0..wanted.min(left) {
@@ -48,6 +49,7 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
                 tree::build(inputs, occupied, out, p, is_conifer, &mut rng);
             }
         }
+        // By what was wanted, not by what grew: tries cost the time.
         left -= wanted.min(left);
     }
 }

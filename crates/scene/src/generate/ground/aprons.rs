@@ -32,6 +32,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
             continue;
         }
         let outer = &building.polygon.outer;
+        // Closed: the band follows the outline round to where it began.
         let line: Vec<MapPoint> = outer.iter().chain(outer.first()).copied().collect();
         band(
             &mut out.scene,
@@ -51,5 +52,6 @@ fn is_in_town(map: &OsmMap, middle: MapPoint) -> bool {
         .map(|i| map.buildings[*i].polygon.area());
     let built: f64 = areas.map(|area| area.min(MOST_BUILT_M2)).sum();
     let enough = BUILT_SHARE * PI * NEIGHBOURHOOD_M * NEIGHBOURHOOD_M;
+    // Both: one large hall is no town, and neither are nine sheds.
     near.len() >= FEWEST && built >= enough
 }

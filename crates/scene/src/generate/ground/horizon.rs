@@ -90,6 +90,7 @@ fn columns(inputs: &Inputs) -> Vec<Column> {
         for k in 0..count {
             let share = k as f64 / count as f64;
             columns.push(Column {
+                // Just inside the ground's edge: beyond it nothing is known to be water.
                 is_sea: !inputs.clearance.is_free_at(inside.at(share), 0.0, WATER),
                 points: column_points(edge.at(share), middle, &mut rng),
             });
@@ -103,6 +104,7 @@ fn column_points(
     middle: MapPoint,
     rng: &mut Pcg64Mcg,
 ) -> [Point3<f64>; ROWS.len()] {
+    // Away from the middle of the map, so that columns spread and never cross.
     let away = middle.bearing_to(foot);
     ROWS.map(
         |Row {
@@ -119,6 +121,7 @@ fn levelled(columns: Vec<Column>) -> Vec<Column> {
     let sea: Vec<bool> = columns.iter().map(|column| column.is_sea).collect();
     let mut levelled = columns;
     for (i, column) in levelled.iter_mut().enumerate() {
+        // By the columns as they were: what becomes sea here must not spread further.
         column.is_sea = sea[i] || sea[(i + n - 1) % n] || sea[(i + 1) % n];
         if column.is_sea {
             column

@@ -38,6 +38,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
         Layer::Solid
     };
     scene.rectangle(layer, grass.material, at(low, 0.0), east, north, repeat);
+    // The extent is that of what is drawn, without the solid ground beyond.
     scene.set_extent(rim);
     solid_beyond(scene, grass, rim);
     if inputs.sea.is_empty() {
@@ -58,6 +59,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
     for part in &inputs.sea {
         let level = if is_cut_out { SEA_LEVEL_M } else { Z_SEA_M };
         floor(scene, inputs.palette.water, &part.outer, &part.holes, level);
+        // The whole of a part of the sea was cut out, its islands too.
         for island in part.holes.iter().filter(|_| is_cut_out) {
             let ring: Vec<MapPoint> = island.iter().rev().copied().collect();
             floor(scene, grass, &ring, &[], 0.0);
@@ -87,6 +89,7 @@ fn land(
     outline: &[MapPoint; 4],
     sea: &[Polygon],
 ) -> bool {
+    // Holes run clockwise, as `triangulate` expects them.
     let holes: Vec<Vec<MapPoint>> = sea
         .iter()
         .map(|part| part.outer.iter().rev().copied().collect())

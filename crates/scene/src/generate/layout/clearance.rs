@@ -81,6 +81,7 @@ impl Clearance {
             }
             for cell in cells(piece.start, piece.end, radius) {
                 let list = self.capsule_cells.entry(cell).or_default();
+                // Neighbouring pieces share cells; the last entry of a cell tells.
                 if list.last() != Some(&index) {
                     list.push(index);
                 }
@@ -109,6 +110,7 @@ impl Clearance {
         let index = self.areas.len() as u32;
         let bounds = polygon.bounds();
         let (min, max) = (bounds.low, bounds.high);
+        // An area without cells is never found, but its outline was entered above.
         if min.distance(max) < MAX_EXTENT_M && self.reserve(min, max, 0.0) {
             for cell in cells(min, max, 0.0) {
                 self.area_cells.entry(cell).or_default().push(index);
@@ -136,6 +138,8 @@ impl Clearance {
         let is_touched = cells(axis.start, axis.end, radius)
             .filter_map(|cell| self.capsule_cells.get(&cell))
             .any(|list| list.iter().any(touches));
+        // What crosses no outline lies inside of an area as a whole, or outside: its beginning
+        // tells.
         !is_touched && self.areas_at(axis.start, kinds) == 0
     }
 

@@ -50,12 +50,14 @@ fn add_road(clearance: &mut Clearance, road: &Road) {
         return;
     };
     let kind = match road.tags.get("highway") {
+        // Cars park at the kerb of a road, but never across a driveway.
         Some("service" | "track") => ROAD | DRIVEWAY,
         _ if profile.for_cars => ROAD,
         _ => PATH,
     };
     clearance.add_line(&road.points, profile.width / 2.0, kind);
     if profile.pavement > 0.0 {
+        // The band covers the carriageway too, so PAVED alone keeps things off both.
         clearance.add_line(&road.points, profile.width / 2.0 + profile.pavement, PAVED);
     }
 }
@@ -64,6 +66,7 @@ fn add_road(clearance: &mut Clearance, road: &Road) {
 pub(crate) fn add_doorways(clearance: &mut Clearance, doorways: &[Doorway]) {
     for door in doorways {
         for p in [door.position, door.plate_point()] {
+            // The capsule's round end adds its half width to this.
             let far = p.offset(door.facing, DOOR_DEPTH_M - DOOR_HALF_WIDTH_M);
             clearance.add(Segment::new(p, far), DOOR_HALF_WIDTH_M, DOOR);
         }

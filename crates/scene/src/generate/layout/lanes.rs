@@ -72,11 +72,13 @@ impl Lanes {
         if length.is_nan() || length > LONGEST_M {
             return;
         }
+        // The rectangle around a long segment has far more cells than the segment touches.
         let pieces = (length / CELL_M).ceil().max(1.0) as usize;
         let share = |k: usize| k as f64 / pieces as f64;
         for i in 0..pieces {
             for cell in cells(ends.at(share(i)), ends.at(share(i + 1)), 0.0) {
                 let list = self.cells.entry(cell).or_default();
+                // Neighbouring pieces share cells.
                 if list.last() != Some(&lane) {
                     list.push(lane);
                 }
@@ -96,6 +98,7 @@ impl Lanes {
 
     /// The lane nearest to `point` within `limit` metres; of several the first.
     pub fn nearest(&self, roads: &[Road], point: MapPoint, limit: f64) -> Option<Nearest> {
+        // Most searches end near by; the others double their reach.
         let mut reach = CELL_M.min(limit);
         loop {
             let best = self
@@ -105,6 +108,8 @@ impl Lanes {
                     let distance = lane.ends(roads).distance_to_point(point);
                     Nearest { lane, distance }
                 })
+                // A lane beyond the reach may have a nearer one in cells that were not searched
+                // yet.
                 .filter(|nearest| nearest.distance <= reach)
                 .reduce(|a, b| if b.distance < a.distance { b } else { a });
             if best.is_some() || reach >= limit {

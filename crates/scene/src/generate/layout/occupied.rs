@@ -16,6 +16,7 @@ impl<'a> Occupied<'a> {
     pub fn new(map: &'a Clearance) -> Self {
         Self {
             map,
+            // Both grids together stay within the limit of entries.
             objects: map.with_remaining_room(),
         }
     }
@@ -33,6 +34,7 @@ impl<'a> Occupied<'a> {
     /// Whether a capsule touches nothing of `kinds`.
     pub fn is_free(&self, axis: Segment, radius: f64, kinds: Kinds) -> bool {
         self.map.is_free(axis, radius, kinds)
+            // `objects` holds objects alone, so other kinds need no search in it.
             && (kinds & OBJECT == 0 || self.objects.is_free(axis, radius, OBJECT))
     }
 

@@ -41,6 +41,7 @@ impl Reach {
         let cell = CELL_M.max(longer_side / (MAX_CELLS - 1) as f64);
         let grid = GridGeometry::covering(low, high, cell, MAX_CELLS);
         let blocked = blocked(&grid, cell, walls);
+        // Squares are compared, so no cell needs a root.
         let limit = (HALF_WIDTH_M / cell) * (HALF_WIDTH_M / cell);
         let clearance = squared_distances(&blocked, grid.width, grid.height);
         let part = parts(&grid, |c| f64::from(clearance[c]) > limit);
@@ -51,6 +52,7 @@ impl Reach {
     /// Whether most doors are reached from `point`.
     pub fn serves(&self, point: MapPoint) -> bool {
         let cell = self.grid.cell_at(point);
+        // Part 0 has no room, so without any door that is reached nothing serves.
         cell.is_some_and(|c| self.part[c] == self.best && self.best > 0)
     }
 }
@@ -91,6 +93,7 @@ fn parts(grid: &GridGeometry, free: impl Fn(usize) -> bool) -> Vec<u32> {
                 else {
                     continue;
                 };
+                // Marked when it is pushed, so that no cell is pushed twice.
                 part[n] = next;
                 stack.push(n);
             }
@@ -110,6 +113,7 @@ fn most_doors(grid: &GridGeometry, part: &[u32], doorways: &[Doorway]) -> u32 {
     }
     let best = counts
         .into_iter()
+        // The lowest number wins a tie, so that the start does not depend on the search.
         .max_by_key(|(part, count)| (*count, Reverse(*part)));
     best.map_or(0, |(part, _)| part)
 }

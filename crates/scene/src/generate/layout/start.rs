@@ -37,7 +37,9 @@ pub(crate) fn choose(
     walls: impl Iterator<Item = Segment>,
 ) -> Result<Pose2, GenerateError> {
     let reach = Reach::new(extent, walls, doorways);
+    // A median, since one remote building must not draw the start away from the others.
     let middle = middle_of(doorways).unwrap_or_else(|| extent.middle());
+    // Doors come after all streets: a start on a pavement is preferred even if it is farther off.
     let in_streets = map.roads.iter().flat_map(places);
     let in_streets = in_streets
         .filter(|p| extent.holds(p.point(), NEAR_M))
@@ -99,6 +101,7 @@ fn places(road: &Road) -> Vec<Pose2> {
 fn left_of_middle(profile: Profile) -> f64 {
     match (profile.for_cars, profile.sides) {
         (false, _) => 0.0,
+        // In the middle of the right pavement, else of the left one, else inside the right edge.
         (true, [_, true]) => -(profile.width + profile.pavement) / 2.0,
         (true, [true, false]) => (profile.width + profile.pavement) / 2.0,
         (true, _) => -(profile.width / 2.0 - FROM_EDGE_M),
@@ -109,6 +112,7 @@ fn along_segment(segment: Segment, left: f64) -> impl Iterator<Item = Pose2> {
     let steps = (segment.length() / STEP_M).clamp(0.0, MAX_STEPS) as usize;
     let yaw = segment.bearing();
     (0..=steps).map(move |i| {
+        // In the middle of equal parts: the ends of segments may be junctions.
         let p = segment.at((i as f64 + 0.5) / (steps as f64 + 1.0));
         let p = Pose2::new(p.x, p.y, yaw).transform(0.0, left);
         Pose2::new(p.x, p.y, yaw)

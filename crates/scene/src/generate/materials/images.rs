@@ -35,12 +35,15 @@ fn grey(brightness: f32) -> [u8; 4] {
 
 /// White noise between 0 and 1.
 pub(super) fn speck(x: u32, y: u32, seed: u64) -> f32 {
+    // 24 bits, which single precision holds exactly.
     (mix(seed ^ (u64::from(x) << 32) ^ u64::from(y)) >> 40) as f32 / (1_u32 << 24) as f32
 }
 
 /// Smooth noise between 0 and 1 that repeats every [`SIDE`] texels. Its spots are `grain` texels
 /// wide (a divisor of SIDE).
 pub(super) fn cloud(x: u32, y: u32, grain: u32, seed: u64) -> f32 {
+    // Value noise: random numbers at the knots of a grid, blended between them. Knots beyond the
+    // edge are those of the other side, so that the image repeats.
     let period = SIDE / grain;
     let tx = smoothstep((x % grain) as f32 / grain as f32);
     let ty = smoothstep((y % grain) as f32 / grain as f32);
@@ -67,8 +70,11 @@ fn rough(x: u32, y: u32, seed: u64) -> f32 {
 pub(super) fn bricks(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
         let course = y * 24 / SIDE;
+        // Every second course begins with half a brick. Numbers of bricks are those of the shifted
+        // row, so a brick keeps its tone across the edge.
         let shifted = (x + (course % 2) * 16) % SIDE;
         let (in_brick, in_course) = (shifted % 32, (y * 24) % SIDE);
+        // Mortar: two texels across, and 44/256 of a course high, which is nearly two texels.
         if in_brick < 2 || in_course < 44 {
             return rgb([1.0, 1.02, 1.04], 0.92 + 0.1 * speck(x, y, seed));
         }
@@ -168,6 +174,7 @@ pub(super) fn setts(seed: u64) -> Texture {
 /// Lawn: short blades upright in the image, worn and lush places.
 pub(super) fn grass(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
+        // Blades five texels high, moved sideways by a cloud, so that no columns are seen.
         let lean = (8.0 * cloud(x, y, 32, seed ^ 11)) as u32;
         let blades = 0.6 * speck((x + lean) % SIDE, y / 5, seed) + 0.4 * speck(x, y / 2, seed ^ 3);
         let patch = rough(x, y, seed);
@@ -203,6 +210,8 @@ fn leaf(x: u32, y: u32, grain: u32, seed: u64) -> Leaf {
     let (cx, cy) = (x / grain, y / grain);
     let (mut number_of_nearest, mut first, mut second) = (0, f32::MAX, f32::MAX);
     for (dx, dy) in (0..3).flat_map(|dx| (0..3).map(move |dy| (dx, dy))) {
+        // The cell itself and its neighbours, across the edge too. `cells` is added since unsigned
+        // numbers must not fall below zero.
         let (kx, ky) = ((cx + cells + dx - 1) % cells, (cy + cells + dy - 1) % cells);
         let number = mix(seed ^ (u64::from(kx) << 32) ^ u64::from(ky));
         let px = (cx as f32 + dx as f32 - 1.0 + share_of_byte(number)) * grain as f32;
@@ -219,6 +228,7 @@ fn leaf(x: u32, y: u32, grain: u32, seed: u64) -> Leaf {
     }
     Leaf {
         number: number_of_nearest,
+        // 1 where two leaves are equally near: at the edge between them.
         from_middle: first / second.max(1e-3),
     }
 }
@@ -274,6 +284,7 @@ pub(super) fn leaves(seed: u64) -> Texture {
         } = leaf(x, y, 16, seed);
         let gap = cloud(x, y, 32, seed ^ 4) + 0.35 * ((number >> 48 & 0xff) as f32 / 255.0 - 0.5);
         let mut texel = rgb([0.62, 0.86, 0.44], leafage(x, y, seed) + 0.16);
+        // Holes in spots of the cloud, and at the edges of leaves around them.
         texel[3] = if gap < 0.34 || gap < 0.46 && from_middle > 0.8 {
             0
         } else {

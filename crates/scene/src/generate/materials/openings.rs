@@ -175,6 +175,7 @@ fn door_panel(x: u32, y: u32) -> Option<InPanel> {
     let (near, far) = ((x - left).min(y - top), (right - 1 - x).min(bottom - 1 - y));
     Some(InPanel {
         inset: near.min(far),
+        // The nearest edge is the upper or the left one, which lies in the shade of its moulding.
         in_shade: near <= far,
     })
 }

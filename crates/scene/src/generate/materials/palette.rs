@@ -207,6 +207,7 @@ impl Palette {
         use SemanticClass as C;
         let s = mix(seed ^ Purpose::Palette as u64);
         let m = &mut Mixer { builder };
+        // Each image has a number of its own: a new one takes the next, and changes no other.
         let grass = m.image(images::grass(s));
         let grit = m.image(images::grit(s ^ 1));
         let slabs = m.image(images::slabs(s ^ 2));
@@ -227,18 +228,22 @@ impl Palette {
         let kerbstones = m.image(images::kerbstones(s ^ 14));
         let stripes = m.image(openings::stripes());
         let walls = [
+            // Eight bricks of 24 cm, and 24 courses of 8 cm, with their mortar.
             tiled(bricks, 1.92),
             tiled(plaster, 3.0),
             tiled(siding, 2.0),
             tiled(stones, 2.4),
         ];
         let facades = facades(m, walls);
+        // Ranges in the order in which `facades` lists them. Plasters count twice, and sidings are
+        // left out.
         let plasters = BRICKS.len()..BRICKS.len() + PLASTERS.len();
         let town = facades[..2]
             .iter()
             .chain(&facades[plasters.clone()])
             .chain(&facades[plasters]);
         Self {
+            // First, since `facades` moves into the field below.
             town_facades: town
                 .chain(&facades[facades.len() - STONES.len()..])
                 .copied()
@@ -362,6 +367,7 @@ impl Palette {
             .map(|c| m.surface(C::Vegetation, c, 110, Some(tiled(blossoms, 1.0))))
             .to_vec(),
             bark: m.surface(C::Vegetation, [1.0; 3], 45, Some(tiled(bark, 0.5))),
+            // Above 1, since the image is brown already and is multiplied by the colour.
             pale_bark: m.surface(C::Vegetation, [1.9, 2.2, 2.5], 80, Some(tiled(bark, 0.7))),
             crowns: crowns(m, foliage, leaves),
             needles: [[0.34, 0.46, 0.34], [0.28, 0.40, 0.30]]
@@ -493,6 +499,7 @@ fn crowns(m: &mut Mixer<'_>, foliage: TextureId, leaves: TextureId) -> Vec<Crown
     ];
     colors
         .map(|c| {
+            // The inside of a crown is darker than its leaves outside.
             let core = c.map(|v| v * 0.6);
             Crown {
                 core: m.surface(

@@ -43,6 +43,7 @@ pub(crate) fn floor(
     holes: &[Vec<MapPoint>],
     z: f64,
 ) {
+    // Triangulation gives points, not numbers of corners: triangles do not share any.
     for triangle in triangulate(outer, holes) {
         let corners = triangle.map(|p| level_corner(surface, p, z));
         scene.mesh(Layer::Visible, surface.material, &corners, &[[0, 1, 2]]);
@@ -82,6 +83,7 @@ pub(crate) fn band(
     );
     if line.len() > 1 {
         let last = line.len() - 1;
+        // Roads end at junctions at any angle: round ends leave no notch between them.
         for (end, before) in [(0, 1), (last, last - 1)] {
             let facing = line[before].bearing_to(line[end]);
             half_disc(scene, surface, line[end], facing, half, z);

@@ -10,8 +10,10 @@ pub(crate) fn inset(ring: &[MapPoint], inset: f64) -> Option<Vec<MapPoint>> {
     if n < 3 {
         return None;
     }
+    // `parallel` takes an open line: with one corner more at both ends, all real corners are bends.
     let padded: Vec<MapPoint> = (0..n + 2).map(|i| ring[(i + n - 1) % n]).collect();
     let moved = parallel(&padded, inset)[1..=n].to_vec();
+    // An edge that is shorter than the mitres at its ends would run backwards.
     let keeps_direction = |i: usize| {
         let (a, b, p, q) = (ring[i], ring[(i + 1) % n], moved[i], moved[(i + 1) % n]);
         (b.x - a.x) * (q.x - p.x) + (b.y - a.y) * (q.y - p.y) > 0.0

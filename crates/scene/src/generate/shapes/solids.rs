@@ -46,6 +46,7 @@ pub(crate) fn facet(
     let along = (points[1] - points[0])
         .try_normalize(1e-9)
         .unwrap_or_else(Vector3::x);
+    // By the two edges at the first corner: the polygon is convex, so they turn as it does.
     let normal = (points[1] - points[0]).cross(&(points[points.len() - 1] - points[0]));
     let across = normal
         .cross(&along)

@@ -62,6 +62,7 @@ struct Ends {
 
 impl Shape {
     fn ends(&self, height: f64) -> Ends {
+        // The height crosses the outline once in front and once at the back.
         let next = self.outline.iter().cycle().skip(1);
         let sides = self.outline.iter().zip(next);
         let crossing = sides.filter(|(p, q)| (p.up > height) != (q.up > height));
@@ -131,6 +132,7 @@ static VAN: Shape = Shape {
     ],
     glass: &[4],
     window: &[p(1.40, 1.14), p(0.86, 1.74), p(0.10, 1.76), p(0.10, 1.14)],
+    // The upper end lies above the roof: the sides of a van lean in by half as much.
     waist: 1.10..2.60,
 };
 /// Shapes as frequent as they are here.
@@ -179,6 +181,7 @@ pub fn car_figure(look: u32) -> Scene {
     };
     let car = Car {
         shape: SHAPES[look % SHAPES.len()],
+        // 3 and the number of paints have no common divisor, so all of them come in turn.
         paint: surface(PAINTS[(look * 3 + 1) % PAINTS.len()], None),
         glass: surface([0.10, 0.13, 0.16], Some(8)),
         tyre: surface([0.07; 3], Some(8)),
@@ -211,6 +214,7 @@ impl Car {
                 self.paint
             };
             let left = 1.0;
+            // A face from side to side over each segment of the outline; the flanks close it.
             let quad = [
                 place(p, -left, 0.0),
                 place(q, -left, 0.0),
@@ -288,6 +292,8 @@ fn flank(
         flat.reverse();
     }
     for [a, b, c] in triangulate(&flat, &[]) {
+        // Seen from the right, the outline runs counter-clockwise; from the left, the other way
+        // round.
         let order = if side < 0.0 { [a, b, c] } else { [a, c, b] };
         let corners = order.map(|q| Corner::new(place(p(q.x, q.y)), [0.0, 0.0]));
         scene.mesh(layer, surface.material, &corners, &[[0, 1, 2]]);
@@ -311,6 +317,7 @@ const WHEEL_CORNERS: usize = 10;
 impl Wheel {
     /// A corner, `depth` metres inside.
     fn corner(&self, pose: Pose2, i: usize, depth: f64) -> Point3<f64> {
+        // Reversed on the left, so that both discs face outwards.
         let i = if self.side < 0.0 {
             i
         } else {

@@ -52,6 +52,7 @@ fn dashes(inputs: &Inputs, out: &mut Output, segment: Segment, breaks: &Breaks) 
     let length = segment.length();
     let count = ((length / DASH_SPACING_M) as usize).min(MAX_DASHES);
     for i in 0..count {
+        // What is left of the length is divided between both ends.
         let start = (length - count as f64 * DASH_SPACING_M) / 2.0
             + i as f64 * DASH_SPACING_M
             + (DASH_SPACING_M - DASH_M) / 2.0;
@@ -76,6 +77,7 @@ fn zebras(inputs: &Inputs, out: &mut Output) {
     let carriageways = carriageways(&inputs.map.roads);
     let is_zebra = |f: &&Feature| is_crossing(f) && !f.tags.is("crossing:markings", "no");
     for crossing in inputs.features.iter().filter(is_zebra) {
+        // Crossings of paths, and those on no way at all, have no stripes.
         let Some(Carriageway { yaw, width }) = carriageways.get(&crossing.node) else {
             continue;
         };
@@ -153,6 +155,8 @@ impl Breaks {
 
     fn is_near(&self, point: MapPoint) -> bool {
         let Cell { x, y } = Cell::of(point);
+        // A cell is as wide as the distance that is searched, so its neighbours hold all that is
+        // near.
         let columns = x - 1..=x + 1;
         let around = columns.flat_map(|x| (y - 1..=y + 1).map(move |y| Cell { x, y }));
         let mut points = around.filter_map(|cell| self.cells.get(&cell)).flatten();

@@ -87,9 +87,11 @@ impl Parking<'_, '_> {
             for (side, share) in [1.0, -1.0].into_iter().zip(shares) {
                 let from_middle = profile.width / 2.0 - HALF_WIDTH_M - FROM_KERB_M;
                 for place in 0..places {
+                    // Drawn for every place, also where no car may stand.
                     let taken = chance(rng, share * self.share());
                     let run = first + (place as f64 + 0.5) * KERB_PLACE_M;
                     let pose = at_kerb(segment, run / length, side, from_middle);
+                    // Not ROAD: the car stands on it.
                     self.car_if(taken, pose, IN_THE_WAY | DRIVEWAY, rng);
                 }
             }
@@ -106,6 +108,7 @@ impl Parking<'_, '_> {
         let longest = sides.max_by(|s, t| s.length().total_cmp(&t.length()));
         let Some(longest) = longest else { return };
         let origin = longest.pose();
+        // Rows run along the longest side; the depth is measured inwards from it.
         let depths = polygon.outer.iter().map(|p| origin.inverse_transform(*p).1);
         let depth = depths.fold(0.0, f64::max).min(DEEPEST_M);
         let columns = ((longest.length() - 0.4) / PLACE_WIDTH_M).min(200.0) as usize;
@@ -126,6 +129,7 @@ impl Parking<'_, '_> {
                     && self.occupied.is_free_at(p, 1.2, ROAD | PATH | BUILDING);
                 if free {
                     self.place_lines(pose);
+                    // The aisles of a car park are often mapped as roads, and stay free.
                     self.car_if(taken, pose, IN_THE_WAY | ROAD, rng);
                 }
             }
@@ -149,6 +153,7 @@ impl Parking<'_, '_> {
     /// Parks a car if the place is taken, and nothing of `kinds` is in the way.
     fn car_if(&mut self, taken: bool, pose: Pose2, kinds: Kinds, rng: &mut Pcg64Mcg) {
         let half = HALF_LENGTH_M - HALF_WIDTH_M;
+        // A capsule as long and as wide as the car.
         let axis = Segment::new(pose.transform(half, 0.0), pose.transform(-half, 0.0));
         let near = self
             .inputs

@@ -65,6 +65,8 @@ pub(crate) fn profile(tags: &Tags) -> Option<Profile> {
         return None;
     }
     let usual = usual(tags)?;
+    // A width is what was measured or estimated; the number of lanes comes second, the kind of road
+    // last.
     let lanes = tags
         .get("lanes")
         .and_then(|l| l.parse::<f64>().ok())
@@ -83,6 +85,7 @@ pub(crate) fn profile(tags: &Tags) -> Option<Profile> {
     } else {
         0.0
     };
+    // On a narrower street, two lanes have no line between them.
     let marked = usual.street && width >= 5.0;
     Some(Profile {
         width,

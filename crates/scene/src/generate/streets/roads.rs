@@ -24,6 +24,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
         let Some(profile) = profile(&road.tags) else {
             continue;
         };
+        // In this order: a road far away is not counted as left out.
         if !is_near(inputs, &road.points) || !out.admits() {
             continue;
         }
@@ -74,6 +75,7 @@ fn carriageway(scene: &mut SceneBuilder, palette: &Palette, road: &Road, profile
         Some("service" | "track") => Z_SERVICE_M,
         _ => Z_ROAD_M,
     };
+    // Service roads and tracks have no kerb stones.
     if z == Z_ROAD_M {
         band(scene, palette.kerb, line, half + KERB_WIDTH_M, Z_KERB_M);
     }
@@ -101,6 +103,7 @@ fn path_surface(tags: &Tags, palette: &Palette) -> Surface {
         Some("asphalt") => palette.worn_asphalt,
         Some("gravel" | "fine_gravel" | "compacted" | "unpaved") => palette.gravel,
         Some("ground" | "dirt" | "earth") => palette.earth,
+        // Surfaces that say what is seen come first; what is left is decided by the kind of path.
         Some("sett" | "cobblestone") => palette.path,
         _ if ["sidewalk", "crossing"]
             .iter()

@@ -87,6 +87,7 @@ fn worn_place(
     if wear.mended {
         let (length, width) = (between(rng, 0.8, 3.5), between(rng, 0.5, 1.4));
         let along = between(rng, -3.0, 3.0);
+        // A metre from the edges, since a patch is up to 1.4 m wide.
         let p = pose.transform(along, between(rng, -half + 1.0, half - 1.0));
         let place = Pose2::new(p.x, p.y, pose.yaw);
         level_rectangle(scene, patch, place, length, width, Z_PATCH_M);

@@ -53,6 +53,8 @@ pub(crate) fn sea(data: &OsmData, map: &OsmMap, extent: Bounds) -> Vec<Polygon> 
 fn coarse(line: Vec<MapPoint>, finest: f64) -> Vec<MapPoint> {
     let mut kept: Vec<MapPoint> = Vec::with_capacity(line.len());
     for (i, p) in line.iter().enumerate() {
+        // The last point stays however near it is: pieces end exactly on the edge, and rings where
+        // they began.
         if i + 1 == line.len() || kept.last().is_none_or(|q| q.distance(*p) >= finest) {
             kept.push(*p);
         }
@@ -103,6 +105,7 @@ fn coastlines(data: &OsmData) -> Vec<Vec<i64>> {
         let Some(mut line) = begins.remove(&start) else {
             continue;
         };
+        // Each way is removed when it is used, so a ring ends where it began.
         while let Some(next) = line.last().and_then(|end| begins.remove(end)) {
             line.extend_from_slice(&next[1..]);
         }
@@ -119,6 +122,8 @@ fn clipped(line: &[MapPoint], extent: Bounds) -> Vec<Vec<MapPoint>> {
             continue;
         };
         let part = segment.part(inside.start, inside.end);
+        // The line enters here. A piece that begins inside the rectangle has no such place and is
+        // dropped.
         if inside.start > 0.0 {
             piece = Some(vec![part.start]);
         }
@@ -137,9 +142,12 @@ fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Bounds) -> Vec<Vec<MapPoint>> 
     while let Some(mut ring) = pieces.pop() {
         let begin = run(ring[0], extent);
         loop {
+            // The sea is on the left of its coast, so the edge of the rectangle is followed
+            // counter-clockwise: to the nearest place where another piece comes in.
             let from = ring.last().map_or(0.0, |p| run(*p, extent));
             let ahead_to = |i: &usize| ahead(from, run(pieces[*i][0], extent));
             let next = (0..pieces.len()).min_by(|i, j| ahead_to(i).total_cmp(&ahead_to(j)));
+            // If the ring's own beginning comes first along the edge, the ring is closed.
             let next = next.filter(|i| ahead_to(i) < ahead(from, begin));
             let to = next.map_or(begin, |i| run(pieces[i][0], extent));
             ring.extend(corners_between(from, ahead(from, to), extent));
@@ -148,6 +156,7 @@ fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Bounds) -> Vec<Vec<MapPoint>> 
                 None => break,
             }
         }
+        // A ring the wrong way round is not sea: its lines had the land on the wrong side.
         if signed_area(&ring) > SMALLEST_SEA_M2 {
             rings.push(ring);
         }
@@ -180,6 +189,7 @@ fn run(p: MapPoint, extent: Bounds) -> f64 {
 /// The rectangle's corners from the position `from` on for `length` sides.
 fn corners_between(from: f64, length: f64, extent: Bounds) -> Vec<MapPoint> {
     let corners = extent.corners();
+    // Corner number i lies at position i, so the next one is the next whole number.
     let first = from.floor() as usize + 1;
     (first..first + 4)
         .filter(|i| *i as f64 - from < length)

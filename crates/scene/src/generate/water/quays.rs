@@ -71,6 +71,7 @@ fn shores(
     let sides = sea.iter().chain(near).flat_map(Polygon::sides);
     // There is no shore where the water continues, in another area or beyond the world.
     let is_shore = |piece: &Segment| {
+        // Areas have their inside on the left, so land is on the right of a shore.
         let beyond = piece.middle().offset(piece.outward(), 0.5);
         world.holds(beyond, 0.0) && !is_wet(beyond)
     };
@@ -91,6 +92,7 @@ fn shores(
 /// The edges of roads where they lead over water, and lines across the roads that end there.
 fn edges(map: &OsmMap, extent: Bounds, is_wet: &impl Fn(MapPoint) -> bool) -> Vec<Segment> {
     let arms = arms_of_nodes(map);
+    // Where another road goes on there is no end to close.
     let is_dead_end = |node: Option<&i64>| node.is_some_and(|n| arms.get(n) == Some(&1));
     let mut found = Vec::new();
     for road in &map.roads {
@@ -111,6 +113,8 @@ fn edges(map: &OsmMap, extent: Bounds, is_wet: &impl Fn(MapPoint) -> bool) -> Ve
 
 /// The left and the right edge of a road, and lines around its dead ends.
 fn outline(road: &Road, profile: Profile, [first, last]: [bool; 2]) -> Vec<Vec<MapPoint>> {
+    // A shore wall is open from GATE_MARGIN_M beside the road and reaches half its thickness into
+    // that. There it meets the outer face of this wall, so no gap is left.
     let aside = profile.width / 2.0 + profile.pavement + GATE_MARGIN_M - THICKNESS_M;
     let left = parallel(&road.points, aside);
     let right = parallel(&road.points, -aside);
@@ -128,6 +132,7 @@ fn outline(road: &Road, profile: Profile, [first, last]: [bool; 2]) -> Vec<Vec<M
 /// A line around the end of a road from its left to its right edge. `end` and `before` number the
 /// last point of both edges and the one before it.
 fn cap(left: &[MapPoint], right: &[MapPoint], end: usize, before: usize) -> Vec<MapPoint> {
+    // Both edges go on a little beyond the end, and meet there.
     let beyond = |edge: &[MapPoint]| {
         let ahead = edge[before].bearing_to(edge[end]);
         edge[end].offset(ahead, BEYOND_END_M)
@@ -155,6 +160,8 @@ fn stretches(segment: Segment, is_wet: impl Fn(MapPoint) -> bool) -> Vec<Segment
     let (mut found, mut from) = (Vec::new(), None);
     for i in 0..count {
         if wet[i] || wet[i + 1] {
+            // A piece counts if either of its ends is wet: the wall begins before the water and
+            // ends after it.
             from.get_or_insert(i);
         } else if let Some(first) = from.take() {
             found.push(Segment::new(at(first), at(i)));

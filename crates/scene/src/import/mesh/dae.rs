@@ -28,6 +28,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
     let root = doc.root_element();
     let dae = Dae::new(path, &doc);
     let named = child(root, "scene").and_then(|s| child(s, "instance_visual_scene"));
+    // Without a usable `<scene>`, the first visual scene is shown.
     let first = || child(root, "library_visual_scenes").and_then(|l| child(l, "visual_scene"));
     let Some(scene) = named.and_then(|n| dae.target(n, "url")).or_else(first) else {
         return Err(malformed(
@@ -43,6 +44,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
         visits: 0,
         triangles: 0,
     };
+    // Unit and axes come first, so that all transforms of nodes act in those of the file.
     walk.children(scene, &base_transform(path, root)?, 0)?;
     walk.mesh.materials = walk.materials.into_list();
     Ok(walk.mesh)
@@ -66,6 +68,8 @@ fn base_transform(path: &Path, root: Node) -> Result<Matrix4<f64>, ImportError> 
     let up = child(asset, "up_axis")
         .and_then(|u| u.text())
         .map(str::trim);
+    // COLLADA names the axes to the right, up and towards the viewer. Here these become x, z and
+    // -y.
     let turn = match up {
         Some("Z_UP") => Matrix4::identity(),
         Some("X_UP") => Matrix4::new(
@@ -148,6 +152,7 @@ impl<'a, 'i> Walk<'_, 'a, 'i> {
                 "the geometry that this names is not in the file",
             ));
         };
+        // Splines and convex meshes are not read.
         let Some(mesh) = child(geometry, "mesh") else {
             return Ok(());
         };
@@ -175,6 +180,7 @@ impl<'a, 'i> Walk<'_, 'a, 'i> {
             part.corners
                 .iter_mut()
                 .for_each(|corner| corner.position = transform.transform_point(&corner.position));
+            // A transform that mirrors turns triangles inside out.
             if transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0 {
                 part.triangles.iter_mut().for_each(|t| t.swap(1, 2));
             }
@@ -192,6 +198,7 @@ fn own_transform(path: &Path, node: Node) -> Result<Matrix4<f64>, ImportError> {
     }
     let mut transform = Matrix4::identity();
     for step in node.children().filter(Node::is_element) {
+        // In the order of the file: each step acts within the frame of those before it.
         transform *= match step.tag_name().name() {
             "translate" => Matrix4::new_translation(&numbers::<3>(path, step)?.into()),
             "scale" => Matrix4::new_nonuniform_scaling(&numbers::<3>(path, step)?.into()),

@@ -46,6 +46,7 @@ pub(super) struct Source {
 impl Source {
     /// The item with this index, as its first `N` numbers.
     pub(super) fn item<const N: usize>(&self, index: usize) -> Option<[f64; N]> {
+        // Index and stride come from the file: their product may overflow.
         let numbers = self.numbers.get(index.checked_mul(self.stride)?..)?;
         numbers.first_chunk().copied()
     }

@@ -42,6 +42,7 @@ pub(super) fn read_primitives(
     }
     let streams = Streams::read(dae, primitive, uv_set)?;
     let mut joiner = Joiner::default();
+    // A `<polygons>` has a list for each polygon; the other kinds have one, or one for each strip.
     for p in index_lists(primitive) {
         let indices: Vec<usize> = list(dae.path, p)?;
         if !indices.len().is_multiple_of(streams.width) {
@@ -64,6 +65,7 @@ pub(super) fn read_primitives(
                     ),
                 )
             })?;
+            // Looked up above, since the joiner's closure cannot fail.
             corners.push(joiner.corner(key, || corner));
         }
         add_polygons(dae, primitive, kind, &corners, &mut joiner)?;
@@ -104,6 +106,7 @@ fn add_polygons(
         }
         "tristrips" => {
             for (i, t) in corners.windows(3).enumerate() {
+                // Every second triangle of a strip runs the other way round.
                 joiner.fan(&if i % 2 == 0 {
                     [t[0], t[1], t[2]]
                 } else {
@@ -121,6 +124,7 @@ impl Streams {
     fn read(dae: &Dae, primitive: Node, uv_set: Option<u32>) -> Result<Self, ImportError> {
         let wrong =
             |what: &str| malformed(dae.path, primitive, format!("this primitive has no {what}"));
+        // The inputs share one list: a corner has as many indices as the highest offset requires.
         let width = children(primitive, "input").map(offset).max().unwrap_or(0) + 1;
         if width > 64 {
             return Err(wrong("sane input offsets"));

@@ -49,6 +49,8 @@ impl Materials {
             .and_then(|u| dae.by_id(u));
         let Some(effect) = effect else { return none };
         let texture = diffuse(effect).and_then(|d| child(d, "texture"));
+        // The texture names a channel, which the instance binds to one of the mesh's sets of
+        // coordinates.
         let uv_set = texture
             .and_then(|t| t.attribute("texcoord"))
             .zip(bound)
@@ -61,6 +63,7 @@ impl Materials {
                     .ok()
             });
         let next = self.list.len();
+        // By the material, not by the symbol: instances may bind one symbol to different materials.
         let number = *self.numbers.entry(target.to_owned()).or_insert(next);
         if number == next {
             self.list.push(read_effect(dae, effect));
@@ -97,6 +100,7 @@ fn read_effect(dae: &Dae, effect: Node) -> MeshMaterial {
         .unwrap_or([1.0; 3]);
     let transparent = effect.descendants().find(|n| is(*n, "transparent"));
     MeshMaterial {
+        // A diffuse element holds a colour or an image; white leaves the image as it is.
         color: if image.is_some() { [1.0; 3] } else { color },
         image,
         cutout: transparent.is_some_and(|t| child(t, "texture").is_some()),
@@ -125,6 +129,7 @@ fn image_of(dae: &Dae, effect: Node, sampler: &str) -> Option<String> {
         .by_id(image.as_deref().unwrap_or(sampler))
         .filter(|n| is(*n, "image"))?;
     let from = child_text(node, "init_from").map(str::to_owned);
+    // COLLADA 1.5 has the path one level deeper.
     from.or_else(|| inner(node, "ref"))
         .filter(|f| !f.is_empty())
 }

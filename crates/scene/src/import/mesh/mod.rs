@@ -36,6 +36,7 @@ pub(crate) fn read(path: &Path) -> Result<Mesh, ImportError> {
             ));
         }
     };
+    // Readers that can stop earlier do; this is for those that cannot.
     let triangles: usize = mesh.parts.iter().map(|p| p.triangles.len()).sum();
     if triangles > MAX_TRIANGLES {
         return Err(ImportError::too_large(path, "triangles", MAX_TRIANGLES));

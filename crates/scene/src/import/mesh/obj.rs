@@ -59,6 +59,7 @@ impl Obj {
             "f" => self.face(words)?,
             "g" | "o" => {
                 self.close();
+                // A part can be named by its group and by its object.
                 self.names[usize::from(keyword == "o")] = rest.to_owned();
             }
             "usemtl" => {
@@ -95,6 +96,7 @@ impl Obj {
             };
             let key = CornerKey {
                 position,
+                // 0 stands for none.
                 uv: uv.map_or(0, |i| i + 1),
             };
             corners.push(self.open.corner(key, make));
@@ -105,6 +107,7 @@ impl Obj {
     }
 
     fn close(&mut self) {
+        // A new joiner for the next part, since corners are numbered within their part.
         let mut part = std::mem::take(&mut self.open).part;
         if !part.triangles.is_empty() {
             part.names = self.names.to_vec();
@@ -197,6 +200,7 @@ fn index(word: &str, count: usize) -> Result<usize, ObjError> {
         source,
     })?;
     let place = if index < 0 {
+        // -1 is the last element so far, not the last of the file.
         count as i64 + index
     } else {
         index - 1
