@@ -92,6 +92,8 @@ impl Fused {
             covariance,
         };
         match self.key {
+            // Odometry has a covariance from its first scan on, and the graph begins where the
+            // robot is then.
             None => self.window = window(self.published * isometry(here.odom)),
             Some(last) if here.is_new_after(&last) => {
                 let motion = isometry(last.odom).inverse() * isometry(here.odom);
@@ -189,6 +191,7 @@ impl Localizer for Fused {
     }
 
     fn reset(&mut self, start: Pose2) {
+        // Odometry begins at its own origin. Where that is in `map` is said by `published`.
         self.odometry.reset(Pose2::default());
         self.sources.iter_mut().for_each(|source| source.reset());
         let start = isometry(start);

@@ -83,6 +83,8 @@ impl LidarInertial {
         // The robot's frame moves with the IMU's rotation.
         let lever = imu * self.robot.imu.inverse().translation.vector;
         let moved = -hat(lever) * imu.to_rotation_matrix().into_inner();
+        // Yaw changes by the part of the rotation about the vertical, which is this in the IMU's
+        // frame.
         let upright = imu.inverse() * Vector3::z();
         let mut jacobian = SMatrix::<f64, 3, 6>::zeros();
         for (row, [x, y]) in [[cosine, -sine], [sine, cosine]].into_iter().enumerate() {

@@ -198,6 +198,8 @@ impl LocalPlanner for Follower {
             return Ok(if arrived {
                 Progress::Arrived
             } else {
+                // Without a look ahead: a turn on the spot does not move the inscribed circle,
+                // which is all that `secured` checks.
                 Progress::Drive(self.turn(error))
             });
         }

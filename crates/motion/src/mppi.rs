@@ -189,6 +189,7 @@ impl Mppi {
         let mut cost = 0.0;
         for (i, command) in sample.iter().enumerate() {
             motion.command = *command;
+            // A continuation holds wanted velocities; what counts is what the rims make of them.
             motion.step(&self.limits, STEP_S);
             let time = (i + 1) as f64 * STEP_S;
             cost += self.nearness(motion.pose, time, situation.obstacles, grid);
@@ -306,6 +307,8 @@ impl LocalPlanner for Mppi {
                 .min(self.limits.turn);
             return self.secured(situation, Velocity::new(0.0, rate.copysign(turn)));
         }
+        // Disturb the last plan, weigh the continuations by their costs, and drive the first step
+        // of their mean.
         let grid = self.measure(situation);
         self.move_on(situation.time);
         self.sample();
@@ -382,6 +385,7 @@ fn point_ahead(situation: &Situation<'_>, length: f64) -> PathPoint {
 fn normal_pair(rng: &mut Pcg64Mcg) -> [f64; 2] {
     let u: f64 = rng.random();
     let v: f64 = rng.random();
+    // The logarithm of zero would be infinite.
     let radius = (-2.0 * libm::log((1.0 - u).max(1e-300))).sqrt();
     let (sin, cos) = libm::sincos(std::f64::consts::TAU * v);
     [radius * cos, radius * sin]

@@ -237,6 +237,8 @@ impl Navigator {
             .planner
             .plan(&now.situation(self.route.path(), goal.yaw));
         let decided = match planned {
+            // The planner sees nothing in the way, and yet the robot hardly moves: something holds
+            // it that no sensor shows.
             Ok(Progress::Drive(_) | Progress::Slowed(..)) if self.progress.is_creeping(now) => {
                 Err(Blocked::Creeping)
             }

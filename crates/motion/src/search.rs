@@ -84,6 +84,7 @@ impl<'a> Costs<'a> {
         if cells == 0 || width == 0 || !cells.is_multiple_of(width) || cells > i32::MAX as usize {
             return Err(CostsError::NoGrid { width, cells });
         }
+        // Bounded above: a single very expensive cell once made a search a hundred times as slow.
         let is_cost = |cost: f32| (1.0..=DEAREST).contains(&cost) || cost == f32::INFINITY;
         match costs.iter().position(|cost| !is_cost(*cost)) {
             Some(cell) => Err(CostsError::NoCost {
@@ -176,6 +177,7 @@ impl Search {
         self.begin(costs.costs.len());
         let mut run = Run {
             costs: costs.costs,
+            // All of these fit: `Costs::new` allows 2^31 - 1 cells, and a costmap has fewer.
             columns: costs.width as i32,
             rows: (costs.costs.len() / costs.width) as i32,
             goal_column: (goal % costs.width) as i32,
@@ -305,6 +307,7 @@ impl Run<'_> {
             if there == f32::INFINITY {
                 continue;
             }
+            // Half the length of the step: times the sum of both costs it gives the mean.
             let length = if step < 4 {
                 free[step] = true;
                 0.5

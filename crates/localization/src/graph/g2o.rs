@@ -241,6 +241,7 @@ fn text_of<P: Entry<D>, const D: usize>(numbered: &NumberedGraph<P, D>) -> Strin
     let NumberedGraph { graph, numbers } = numbered;
     let mut text = String::new();
     for (pose, number) in graph.poses.iter().zip(numbers) {
+        // Writing to a `String` cannot fail.
         let _ = write!(text, "{} {number}", P::VERTEX);
         push_numbers(&mut text, &pose.to_numbers());
         text.push('\n');
@@ -375,6 +376,7 @@ impl<P: Entry<D>, const D: usize> Part<P, D> {
             number: pose_number(to)?,
             line,
         };
+        // The measured pose, then the upper triangle of the information matrix.
         let numbers = numbers(rest, P::SIZE + D * (D + 1) / 2)?;
         let (pose, upper) = numbers.split_at(P::SIZE);
         let measured = P::from_numbers(pose).ok_or(LineError::Quaternion)?;
@@ -382,6 +384,7 @@ impl<P: Entry<D>, const D: usize> Part<P, D> {
         if !is_information(&information) {
             return Err(LineError::Information);
         }
+        // A file may define poses after the edges that name them, so `finish` looks them up.
         self.edges.push(FileEdge {
             from,
             to,

@@ -136,6 +136,7 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
         }
         let of_edges = self.edges.iter().map(|edge| &edge.information);
         let of_priors = self.priors.iter().map(|prior| &prior.information);
+        // With anything else chi² may be negative, and has no least value.
         if !of_edges.chain(of_priors).all(is_information) {
             return Err(SolveError::NotFinite);
         }

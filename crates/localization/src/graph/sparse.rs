@@ -72,8 +72,8 @@ impl<const D: usize> Normal<D> {
             return;
         };
         for c in 0..D {
-            // Scalar column `c` begins on the diagonal. Of the first block it holds rows c to D -
-            // 1, of each block below all D rows.
+            // Scalar column `c` begins on the diagonal. Of the first block it holds the rows from
+            // `c` on, of each block below all of them.
             let start = self.starts[column * D + c];
             if place == 0 {
                 (c..D).for_each(|r| self.values[start + r - c] += block[(r, c)]);

@@ -126,6 +126,7 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
     /// fixes.
     pub fn fix(&mut self, measured: P, information: SMatrix<f64, D, D>, max_deviations: f64) {
         let at = self.poses.len() - 1;
+        // Fixes are in the order of their poses: those of the newest pose stand last.
         let first = self.fixes.partition_point(|fix| fix.fix.at < at);
         if self.fixes.len() - first == MAX_FIXES_PER_POSE {
             self.fixes.remove(first);

@@ -87,6 +87,7 @@ fn replace_turn(reading: &mut Reading, state: &State, wheels: WheelReport<'_>, i
     let rate = imu.rotation * (reading.gyro - state.gyro_bias);
     if is_shaken(&rate, wheels) {
         let turn = imu.rotation.inverse() * (Vector3::z() * wheels.speed.turn);
+        // With the bias, since the prediction subtracts it from every reading.
         reading.gyro = turn + state.gyro_bias;
         reading.noise.gyro = UNMEASURED_GYRO;
     }

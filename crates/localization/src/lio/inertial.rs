@@ -118,6 +118,7 @@ impl Inertial {
             let next_speed = speeds.peek().map(|speed| speed.stamp);
             let next = step_end(belief.stamp, until, after.imu.stamp, next_speed);
 
+            // What the samples on both sides show, less what they cannot have measured.
             let mut reading = mean_reading(before, after, settings);
             if let Some(wheels) = self.wheels_at(belief.stamp) {
                 let (stamp, state) = (belief.stamp, &belief.state);
@@ -187,6 +188,7 @@ impl Inertial {
                 return None;
             }
             let mut rate = imu.rotation * (mean(before.gyro, after.gyro) - bias);
+            // As in a prediction: during an impact only the wheels count.
             if is_shaken(&rate, self.report(speed)) {
                 rate = Vector3::z() * speed.turn;
             }

@@ -106,7 +106,7 @@ impl Prior {
     }
 
     fn posterior(&self, state: State, last: Iteration) -> Posterior {
-        // Of the last linearization; the step after it was small.
+        // Of the last linearization, which a step that has converged hardly changes.
         let covariance = last.factor.inverse();
         let kept = covariance * last.prior_information;
         let unmeasured = self.unmeasured(&last.summary.degenerate, &kept);

@@ -130,6 +130,7 @@ impl LidarInertialOdometry {
     pub fn scan(&mut self, scan: LidarScan) -> Vec<Estimate> {
         let last_waiting = self.scans.back().map(|last| last.stamp);
         let last_done = self.pipeline.belief.as_ref().map(|belief| belief.stamp);
+        // A scan that waits is later than any that was processed.
         let is_late = last_waiting
             .or(last_done)
             .is_some_and(|last| end_of(&scan) <= last);

@@ -256,6 +256,7 @@ impl Pipeline {
         let is_accepted = registered.accepted().is_some();
         let belief = &mut registered.belief;
         if belief.state.map_tilt.norm() > MAX_MAP_TILT_RAD {
+            // The next scan begins the new map: this one was matched to the old one.
             self.begin_map();
             set_map_upright(belief);
         } else if is_accepted || step.is_first {

@@ -119,6 +119,7 @@ impl<const N: usize> Residual<N> {
         jacobian
             .fixed_view_mut::<3, 1>(3, 3)
             .copy_from(&plane.normal);
+        // The LiDAR's pose on the IMU is estimated too.
         if N > 6 {
             jacobian.view_mut((6, 0), (3, 3)).copy_from(&-hat(on_lidar));
             jacobian.view_mut((9, 3), (3, 1)).copy_from(&on_imu);

@@ -115,6 +115,8 @@ impl<'a> Registration<'a> {
                 gate,
             );
             let posterior = self.update(here.state, matching)?;
+            // Against the map, since a tilt of the map moves points off planes as a turn of the
+            // robot does.
             let moved = posterior.state.in_map().minus(&matched_at.state);
             if is_last_gate && !has_moved(&moved) {
                 return self.finish(belief, posterior, matching);

@@ -85,6 +85,7 @@ struct AxisDetection {
 impl Peak {
     /// Takes in the next magnitude of the axis; `lowest` is what a limit is not below.
     fn examine(&mut self, magnitude: f64, stated: Option<f64>, lowest: f64) -> AxisDetection {
+        // A stated limit shows in the sample itself: no earlier ones have to be marked.
         if stated.is_some_and(|limit| magnitude >= limit * (1.0 - ROUNDING)) {
             return AxisDetection {
                 is_saturated: true,

@@ -125,6 +125,7 @@ fn deviation(samples: &[ImuSample], part: impl Fn(&ImuSample) -> [f64; 3]) -> f6
 fn first_state(samples: &[ImuSample], is_at_rest: bool, settings: &Settings) -> State {
     let gyro = mean(samples, |sample| sample.gyro);
     let accel = mean(samples, |sample| sample.accel);
+    // The specific force of a body at rest points up.
     let up = UnitQuaternion::rotation_between(&accel, &Vector3::z()).unwrap_or_default();
     // `up` turns the IMU's frame upright about a level axis; the robot's heading is taken out.
     let ahead = up * (settings.imu.rotation.inverse() * Vector3::x());
@@ -137,6 +138,7 @@ fn first_state(samples: &[ImuSample], is_at_rest: bool, settings: &Settings) -> 
         gyro_bias: if is_at_rest { gyro } else { Vector3::zeros() },
         mount_rotation: settings.lidar.rotation,
         mount_position: settings.lidar.translation.vector,
+        // The length of gravity is what this accelerometer shows of it.
         ..State::at_rest(&pose, accel.norm())
     }
 }

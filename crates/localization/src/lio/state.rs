@@ -83,6 +83,7 @@ impl State {
     #[must_use]
     pub(crate) fn plus(&self, error: &Error) -> Self {
         let part = |first: usize| -> Vector3<f64> { error.fixed_rows::<3>(first).into_owned() };
+        // Along directions at right angles to gravity, whose length stays.
         let tilt = tangent(self.gravity) * error.fixed_rows::<2>(at::GRAVITY);
         Self {
             rotation: self.rotation * exp(part(at::ROTATION)),

@@ -13,6 +13,7 @@ const MAX_RANGE_M: f64 = 1e4;
 
 /// Time of the last point of a scan.
 pub(super) fn end_of(scan: &LidarScan) -> SimTime {
+    // Points are nearly in the order of their time, not quite.
     let last = scan
         .points
         .iter()

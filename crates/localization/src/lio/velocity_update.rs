@@ -92,6 +92,7 @@ fn update<const M: usize>(
     let rest = Covariance::identity() - gain * jacobian;
     let after = rest * before * rest.transpose() + gain * noise * gain.transpose();
     let state = belief.state.plus(&step);
+    // A step that is not finite leaves the belief as it was.
     if state.is_finite() {
         belief.state = state;
         belief.covariance = (after + after.transpose()) * 0.5;

@@ -127,6 +127,7 @@ impl Watchdog {
         let is_too_fast = belief.state.velocity.norm() > max_speed;
         let support = self.support();
         if !agrees || is_too_fast {
+            // No robot is that fast, however well the scans lie on the map.
             let scans_agree = support >= MIN_SUPPORT && !is_too_fast;
             return if scans_agree {
                 Verdict::Contradicted
@@ -179,6 +180,7 @@ impl Watchdog {
         // Leaky sums: what lies a window back has faded to about a third.
         let kept = (1.0 - seconds / EXTRA_TURN_WINDOW_S).max(0.0);
         self.extra_turn = self.extra_turn * kept + extra;
+        // In turns wheels slide sideways anyway.
         if step.radians <= STRAIGHT_RAD_S * seconds {
             self.slip.note(&filtered, step);
         }

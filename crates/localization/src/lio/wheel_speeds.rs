@@ -53,6 +53,7 @@ impl WheelSpeeds {
     /// Whether the velocity after this one is nearly the same.
     pub(super) fn is_steady_after(&self, speed: &Speed) -> bool {
         let after = self.0.partition_point(|other| other.stamp <= speed.stamp);
+        // As long as the next velocity has not come, the wheels do not count as steady.
         self.0.get(after).is_some_and(|next| {
             (next.velocity - speed.velocity).norm() < STEADY_SPEED_M_S
                 && (next.turn - speed.turn).abs() < STEADY_TURN_RAD_S

@@ -23,6 +23,7 @@ impl Pipeline {
         let mut belief = self.belief.take()?;
         let since = until.since(belief.stamp);
         self.inertial
+            // Without a scan nothing shows what a saturated gyroscope has missed.
             .predict(&mut belief, until, &self.settings, &Vector3::zeros());
         let typical_speed = self.settings.typical_speed_m_s;
         for direction in &ALL_DIRECTIONS {

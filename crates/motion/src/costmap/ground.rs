@@ -271,6 +271,7 @@ impl Drawing<'_> {
                 let Some(stretch) = self.cut(Segment::new(pair[0], pair[1]), 0.0) else {
                     continue;
                 };
+                // A bridge is as wide as the road on it; a kerb is opened like a gate.
                 let half = if over == MappedObstacle::Water {
                     width(&road.tags) / 2.0
                 } else {

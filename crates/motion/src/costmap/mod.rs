@@ -192,6 +192,7 @@ impl Costmap {
         if occupancy.yaw != 0.0 {
             return Err(CostmapError::Turned(occupancy.yaw));
         }
+        // Kinds of ground stay unknown: such a grid says nothing about them.
         let mut ground = Ground::unknown(occupancy.grid.len());
         for (obstacle, value) in ground.obstacles.iter_mut().zip(&occupancy.cells) {
             *obstacle = if *value >= Occupancy::LIKELY {
@@ -349,6 +350,7 @@ impl Costmap {
         // From 0 at the comfortable distance to 1 at the least one. The square begins without a
         // kink.
         let near = (comfort - clearance).max(0.0) / (comfort - keep);
+        // In grains: a search over a large costmap then takes little more than half the time.
         let cost = 1.0 + (DISCOMFORT * near * near / GRAIN).round() * GRAIN;
         self.preferences.of(self.ground.surface[cell]) * cost as f32
     }

@@ -134,6 +134,8 @@ impl Seen {
         let is_far_scan = self.scans.is_multiple_of(FAR_EVERY);
         let furthest = if is_far_scan { FURTHEST_M } else { NEAR_M };
         for (degrees, &beam) in ring.beams.iter().enumerate() {
+            // Each part of the beam has one line more than the part before; the last one reaches to
+            // its end.
             for lines in 1..=LINES {
                 let end = if lines == LINES {
                     usize::MAX
@@ -145,6 +147,7 @@ impl Seen {
                     break;
                 }
                 for line in 0..lines {
+                    // Evenly over the degree, and symmetric about its middle.
                     let share = (line as f64 + 0.5) / lines as f64;
                     let bearing = (degrees as f64 + share).to_radians();
                     let line = Line {

@@ -44,6 +44,7 @@ pub(super) fn clusters(points: &[MapPoint]) -> Vec<Vec<MapPoint>> {
 /// The cluster of a point, taken out of the other points.
 fn grown(first: MapPoint, rest: &mut Vec<MapPoint>) -> Vec<MapPoint> {
     let mut cluster = vec![first];
+    // Points before `looked` have no neighbours left in `rest`.
     let mut looked = 0;
     while looked < cluster.len() {
         let at = cluster[looked];

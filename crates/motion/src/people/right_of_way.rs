@@ -46,6 +46,7 @@ impl RightOfWay<'_> {
         hold: f64,
     ) -> bool {
         let here = self.footprint.at(motion.pose);
+        // With a margin, since velocities of people are known to a few tenths of a m/s only.
         let off = self.distance_from_path(somebody, &here, 0.0);
         let (velocity, mut time) = (somebody.velocity(), 0.0);
         let mut motion = motion;

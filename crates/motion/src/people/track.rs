@@ -124,6 +124,7 @@ impl Track {
         let innovation = body.middle - self.place;
         let noise = body.deviation * body.deviation;
         if innovation.dot(innovation) > UNLIKELY * (self.covariance.place + noise) {
+            // More uncertainty makes the gains below larger, so that the velocity follows at once.
             self.spread(SUDDEN_MPS2, time.since(self.last).as_secs_f64());
         }
         let Covariance {

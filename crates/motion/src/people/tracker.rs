@@ -92,6 +92,8 @@ impl Tracker {
         let mut trunks = vec![Vec::new(); self.tracks.len()];
         let mut rest = Vec::new();
         for cluster in walking {
+            // As a whole if it is of one body, else point by point: two people side by side are one
+            // cluster.
             let only = self.only(cluster, seen.above);
             for &point in cluster {
                 match only.or_else(|| self.nearest(point)) {
@@ -108,6 +110,7 @@ impl Tracker {
             }
         }
         for (track, (low, trunk)) in self.tracks.iter_mut().zip(low.iter().zip(&trunks)) {
+            // Otherwise the prediction stands, until the track is forgotten.
             if low.len() >= FEWEST_KNOWN {
                 track.see(&Body::of(low, trunk, seen.sensor), self.now);
             }

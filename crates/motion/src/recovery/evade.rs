@@ -33,6 +33,7 @@ pub(crate) fn evade(
     }
     let speeds = [limits.forward, 0.5 * limits.forward, 0.0, -limits.backward];
     let turns = [0.0, -0.5, 0.5, -1.0, 1.0].map(|share| share * limits.turn);
+    // Where even braking touches what stands, there is nothing to compare with.
     let stand = worth(footprint, limits, situation, Velocity::ZERO)?;
     let (mut most, mut best) = (stand, None);
     for command in speeds
@@ -83,6 +84,7 @@ fn worth(
             return None;
         }
         let near = clearance(footprint, moving(obstacles), motion.pose, time, REACH_M);
+        // A robot that touches somebody already may move away, but not further in.
         if drives && !motion.stands() && near < somebody.min(0.0) {
             return None;
         }

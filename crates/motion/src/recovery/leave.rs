@@ -73,6 +73,7 @@ pub(crate) fn leave(
         room: start_room,
         attempt: None,
     };
+    // 5 speeds, 11 turn rates and 5 pairs of phases are few enough to try them all.
     for linear in SPEEDS_MPS.map(|v| v.clamp(-limits.backward, limits.forward)) {
         for angular in TURNS_RADPS.map(|w| w.clamp(-limits.turn, limits.turn)) {
             for phases in PHASES {
@@ -86,6 +87,7 @@ pub(crate) fn leave(
         pose: attempt.start.pose,
         time: 0.0,
     }];
+    // Driven once more, now for its poses.
     search.is_free(attempt, &mut |time, pose| {
         poses.push(TimedPose { pose, time })
     });

@@ -232,9 +232,12 @@ impl Search<'_> {
     fn forward(&mut self, goal: MapPoint, yaw: Option<f64>) -> Result<u32, NoManeuver> {
         let wanted = yaw.map(|yaw| self.number_of(yaw));
         let fits = |yaw: f64| self.is_free(Pose2::new(goal.x, goal.y, yaw));
+        // Without a wanted heading only the search can tell whether one fits.
         if !yaw.is_none_or(fits) {
             return Err(NoManeuver::GoalBlocked);
         }
+        // Each cell and heading is expanded once, from the first place that comes out of the queue
+        // there.
         let mut closed = vec![false; self.grid.len() * HEADINGS];
         let mut queue = Frontier::default();
         let at = self.start.point();

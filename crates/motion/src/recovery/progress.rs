@@ -129,6 +129,7 @@ impl ProgressMonitor {
         if let Some(anchor) = &mut self.anchor {
             anchor.time = anchor.time + stood;
         }
+        // The next note then counts no time since, and compares with no pose from before.
         (self.standstill, self.last) = (None, None);
     }
 }

@@ -176,6 +176,7 @@ fn nearest_features(foot: &[Vector2], other: &[Vector2]) -> Touch {
         on_foot: foot[0],
         on_other: other[0],
     };
+    // Where convex outlines are apart, a corner of one of them is among the nearest points.
     for edge in edges(foot) {
         other
             .iter()

@@ -121,6 +121,8 @@ impl Optimizer {
             .extend(stretches.map(|w| w[0].pose.point().distance(w[1].pose.point())));
         let circle = problem.footprint.circumscribed();
         let placed = problem.footprint.at(band.poses()[0].pose);
+        // A band that begins near an obstacle cannot keep the margin at once. It has to keep what
+        // there is, and more with time.
         let near = problem
             .obstacles
             .iter()
@@ -135,6 +137,7 @@ impl Optimizer {
             return;
         }
         let knots = band.poses();
+        // For the whole pass a via point belongs to the knot that is nearest now.
         for via in vias {
             let away = |i: &usize| knots[*i].pose.point().distance(*via);
             // Both ends are fixed, and can pass no point.
@@ -162,6 +165,7 @@ impl Optimizer {
             let gain = cost - total.0;
             // Written so that NaN is no gain.
             let Some(foreseen) = foreseen.filter(|_| gain > 0.0) else {
+                // The bound is high: stiff bands need much damping before a step gains anything.
                 self.damping = (self.damping * raise).min(MOST_DAMPING);
                 raise *= 2.0;
                 continue;

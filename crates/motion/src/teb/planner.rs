@@ -209,6 +209,7 @@ impl Teb {
         {
             self.candidates.clear();
         }
+        // Only the band that was driven tells where the robot should be.
         let expected = self.candidates.first().map(|c| c.band.pose_at(elapsed));
         let jumped = expected.filter(|expected| Trajectory::is_jump(*expected, situation.pose));
         for candidate in &mut self.candidates {
@@ -334,6 +335,8 @@ impl Teb {
         let has_moving = situation.obstacles.iter().any(Obstacle::is_moving);
         let check = Check {
             problem: &problem,
+            // Without this rule one of a thousand scenes is missed (`benchmarks/motion`): a band
+            // passes one person by millimetres, and none is left before the next one comes.
             is_firm: self.settings.approach_margin_mps.is_none() && has_moving,
         };
         let warm = self.candidates.len();
@@ -460,6 +463,7 @@ impl LocalPlanner for Teb {
             return Ok(progress);
         }
         self.carry_on(situation, &end);
+        // In every cycle: with pauses between, mirrored scenes were not always driven alike.
         let new = self.explore(situation, &end);
         self.improve(new, situation, &end);
         let candidates = std::mem::take(&mut self.candidates);

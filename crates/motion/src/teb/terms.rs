@@ -154,6 +154,8 @@ pub(crate) fn collect(
     for (i, knot) in knots.iter().enumerate().skip(1) {
         obstacles(i, knot, problem, frozen, sink);
     }
+    // An acceleration lies between two stretches. At the ends it lies between a stretch and the
+    // robot's velocity there.
     let mut before: Option<Stretch> = None;
     for i in 0..knots.len() - 1 {
         let stretch = Stretch::between(&knots[i], &knots[i + 1]);
@@ -199,6 +201,7 @@ fn obstacles(
     let (margins, weights) = (&problem.settings.margins, &problem.settings.weights);
     let foot = problem.footprint.at(knot.pose);
     let step = frozen.steps[i.min(frozen.steps.len() - 1)];
+    // Weights are for a second of nearness, and a knot stands for one step.
     let (firm, soft) = (
         weights.obstacle * frozen.firmness * step,
         weights.comfort * step,
@@ -265,6 +268,8 @@ fn drive(
         &[0.0, -1.0, 0.0, 0.0, 0.0, 1.0],
     );
     sink.add(i, weights.sideways, stretch.sideways, &stretch.by_sideways);
+    // Equation 6 (2012), of the second order: nothing up to the bound, then the square of the
+    // excess.
     let mut at_most = |weight: f64, over: f64, sign: f64, by: &[f64; PAIR]| {
         if over > TOLERANCE {
             sink.add(i, weight * step, over, &by.map(|d| sign * d));

@@ -46,6 +46,7 @@ impl Trajectory {
             }
             let last = poses[poses.len() - 1];
             let turn = wrap_angle(pair[0].bearing_to(after) - last.pose.yaw);
+            // Driving and turning take place at once: the slower one decides.
             let seconds =
                 (pair[0].distance(pair[1]) / limits.forward).max(turn.abs() / limits.turn);
             let pose = Pose2::new(pair[1].x, pair[1].y, last.pose.yaw + turn);

@@ -40,6 +40,7 @@ impl Matching {
     ) {
         let lidar = state.lidar_pose();
         let factor = self.noise_scale.factor();
+        // Weights are inverse variances, and the factor is one of deviations.
         let certainty = 1.0 / (factor * factor);
         self.scan.sort(points, &lidar, &state.position);
         self.clusters.clear();

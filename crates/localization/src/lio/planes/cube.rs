@@ -95,6 +95,7 @@ impl Cube {
 
     /// Whether there are a third more points than when the plane was fitted.
     fn needs_fit(&self) -> bool {
+        // So the number of fits grows with the logarithm of the points.
         self.points.weight >= MIN_POINTS && 3.0 * self.points.weight >= 4.0 * self.fitted
     }
 

@@ -69,6 +69,7 @@ impl Description {
             free_thresh,
             ..
         } = self;
+        // Ranges, here and below, contain no NaN.
         if !(1e-4..=1e3).contains(resolution) {
             return wrong(
                 "resolution",

@@ -116,6 +116,7 @@ impl Explorer {
         let grid = window(start, goal, how);
         self.lay_costs(&grid, obstacles, how);
         self.lean(&grid, start, goal);
+        // From the costs: obstacles with no gap for the robot between them are one cluster.
         self.clusters.standing = clusters(&grid, &self.costs);
         keep_nearest(&mut self.clusters.standing, MOST_CLUSTERS, |cluster| {
             Segment::new(start, goal)
@@ -219,6 +220,7 @@ impl Explorer {
             let mut next = at + 1;
             let mut dearest = self.costs[cells[next]];
             for candidate in at + 2..cells.len() {
+                // The dearest cell among those that the line would leave out.
                 dearest = dearest.max(self.costs[cells[candidate]]);
                 let no_dearer = |cell: usize| self.costs[cell] <= dearest + NO_DEARER;
                 if !in_sight(grid, no_dearer, cells[at], cells[candidate])

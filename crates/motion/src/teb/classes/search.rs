@@ -153,10 +153,12 @@ impl ClassSearch {
             if k < 4 {
                 free[k] = true;
             }
+            // A step crosses no rays but those between its two columns.
             let crossed = self.crossings.between(x, x + dx).iter();
             let signature = crossed.fold(here.signature, |signature, &i| {
                 signature.wound(i, field.clusters[i], at, field.grid.center(cell))
             });
+            // A path of this class got there before, and costs no more.
             if self.is_closed(cell, signature) {
                 continue;
             }

@@ -106,6 +106,8 @@ impl Teb {
         };
         for velocity in self.slower(situation.velocity, wanted) {
             if let Some(at) = self.cannot_stop(situation, velocity) {
+                // Reported for the fastest velocity that was tried: that is what the robot wanted
+                // to do.
                 let ahead = Blocked::Obstacle(at * velocity.linear.abs());
                 causes.obstacle = causes.obstacle.or(Some(ahead));
                 continue;
