@@ -14,7 +14,7 @@ use openbench_core::{MapPoint, UnknownName};
 pub enum BenchError {
     /// Unknown suite name.
     #[error(
-"unknown suite `{name}`; built-in suites: {}; or give a suite file (.toml)",
+"there is no suite `{name}`; built-in suites: {}; or give a suite file (.toml) or a world folder",
 known.join(", ")
 )]
     UnknownSuite {

@@ -3,12 +3,14 @@
 use std::fmt::Write as _;
 
 use clap::{Command, CommandFactory as _};
-use openbench_agents::open::Choices;
 use openbench_agents::open::choices::MODEL;
+use openbench_agents::open::{Catalogue, Choices};
+use openbench_core::registry::Entry;
 use openbench_models::spec::FORMS;
+use openbench_vision::ReaderPart;
 
+use crate::Extensions;
 use crate::args::Args;
-use crate::{Extensions, open_agent};
 
 /// Width of help texts, columns.
 const WIDTH: usize = 100;
@@ -24,9 +26,10 @@ Upper bounds that use the truth, named in the results:
 pub fn command(extensions: &Extensions) -> Command {
     let choices = extensions.parts().choices();
     let run = format!(
-        "{}\n{}{TRUTH}",
+        "{}\n{}{}{TRUTH}",
         agents(extensions),
-        settings_of_open(&choices)
+        settings_of_open(&choices),
+        parts_of_open(extensions.parts())
     );
     let motion = list("Local planners", value_names(&choices, "motion"));
     let people = list("Local planners", marked_values(&choices, "motion"));
@@ -51,9 +54,35 @@ fn prepend(command: Command, text: &str) -> Command {
 }
 
 fn agents(extensions: &Extensions) -> String {
-    let agents = extensions.agents();
-    let names = agents.names().map(|name| marked(name, open_agent::NAME));
-    list("Agents", names)
+    let mut text = "Agents (--agent NAME, by default open):\n".to_owned();
+    for entry in extensions.agents().entries() {
+        text += &described(entry);
+    }
+    text
+}
+
+/// What the parts are that the settings name.
+fn parts_of_open(parts: &Catalogue) -> String {
+    let mut text = "  The parts are:\n".to_owned();
+    let is_reader = |entry: &&Entry<ReaderPart>| FORMS.iter().all(|form| form.name != entry.name);
+    for entry in parts.readers.entries().filter(is_reader) {
+        text += &described(entry);
+    }
+    for entry in parts.localizers.entries() {
+        text += &described(entry);
+    }
+    for entry in parts.fixes.entries() {
+        text += &described(entry);
+    }
+    for entry in parts.local_planners.entries() {
+        text += &described(entry);
+    }
+    text
+}
+
+/// A line with the name of a part, and what it is.
+fn described<P>(entry: &Entry<P>) -> String {
+    format!("      {:<22} {}\n", entry.name, entry.about)
 }
 
 fn settings_of_open(choices: &[Choices]) -> String {
@@ -151,7 +180,8 @@ mod tests {
     fn registered_parts_are_listed_with_their_defaults() {
         let text = help(&Extensions::new(), &["run"]);
         for line in [
-            "Agents: open (default)\n",
+            "Agents (--agent NAME, by default open):\n",
+            "      fused                  LiDAR-inertial odometry and fixes in a pose graph\n",
             "planner: grammar (default), MODEL\n",
             "reader: ppocr-v4 (default), MODEL\n",
             "localizer: fused (default), lidar-inertial, dead-reckoning\n",

@@ -1,8 +1,33 @@
-//! The command line: parse, build the parts that were asked for, call, print.
+//! The command `openbench` as a library: a program of one's own is the same command with further
+//! agents, plate readers, localizers, sources of fixes and local planners.
 //!
-//! To add an agent, plate reader, localizer, source of fixes or local planner, write a binary that
-//! passes it to [`main_with`] in [`Extensions`]: every command then knows it beside the built-in
-//! ones.
+//! ```no_run
+//! use openbench::{AgentError, AgentRequest, Extensions};
+//! use openbench_core::{Action, Agent, Briefing, Events, GiveUp, Observation, Velocity};
+//!
+//! /// Stands still.
+//! struct Idle;
+//!
+//! impl Agent for Idle {
+//!     fn begin(&mut self, _: &Briefing, _: &mut dyn Events) -> Result<(), GiveUp> {
+//!         Ok(())
+//!     }
+//!
+//!     fn act(&mut self, _: &Observation<'_>, _: &mut dyn Events) -> Action {
+//!         Action::Drive(Velocity::ZERO)
+//!     }
+//! }
+//!
+//! fn make(_: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
+//!     Ok(Box::new(Idle))
+//! }
+//!
+//! fn main() -> std::process::ExitCode {
+//!     openbench::main_with(Extensions::new().with_agent("idle", "stands still", make))
+//! }
+//! ```
+//!
+//! `run --agent idle` then runs it.
 //!
 //! | module | contents |
 //! |---|---|

@@ -321,6 +321,16 @@ fn a_robot_that_is_walled_in_gives_up_with_a_cause() {
 }
 
 #[test]
+fn an_agent_that_cannot_be_made_keeps_the_results_of_the_run_before() {
+    let place = town();
+    one(&place, &reader_that_says(NOTHING), "--out kept").succeeded();
+    let before = place.read("kept/results.json");
+    one(&place, "replay:absent.jsonl", "--out kept").refused_with(&["absent.jsonl"]);
+    assert_eq!(place.read("kept/results.json"), before);
+    assert!(place.path("kept/episodes/000.mcap").exists());
+}
+
+#[test]
 fn the_truth_as_localizer_is_named_in_the_results() {
     let results = one(
         &town(),

@@ -21,30 +21,37 @@ use crate::time::SimTime;
 ///
 /// ```
 /// use openbench_core::{
-///     Action, Agent, Briefing, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
+///     Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, Goal, Observation, SimTime,
 ///     Velocity,
 /// };
 ///
-/// /// Drives straight ahead until the time is over.
+/// /// Drives straight ahead for a minute and puts the parcel down there.
 /// struct Ahead {
-///     goal: Option<MapPoint>,
+///     address: Address,
 /// }
 ///
 /// impl Agent for Ahead {
 ///     fn begin(&mut self, briefing: &Briefing, _: &mut dyn Events) -> Result<(), GiveUp> {
-///         let Goal::Point(goal) = briefing.goal else {
+///         let Goal::Instruction(instruction) = &briefing.goal else {
 ///             return Err(GiveUp {
 ///                 address: None,
 ///                 cause: FailureCause::Briefing,
-///                 detail: "this agent takes points only".into(),
+///                 detail: "this agent takes instructions only".into(),
 ///             });
 ///         };
-///         self.goal = Some(goal);
+///         // A real agent reads the whole instruction, for example by `openbench_language`.
+///         if instruction.contains("unit 2") {
+///             self.address.unit = Some("unit2".into());
+///         }
 ///         Ok(())
 ///     }
 ///
-///     fn act(&mut self, _: &Observation<'_>, _: &mut dyn Events) -> Action {
-///         Action::Drive(Velocity::new(0.5, 0.0))
+///     fn act(&mut self, observation: &Observation<'_>, _: &mut dyn Events) -> Action {
+///         if observation.time < SimTime::from_millis(60_000) {
+///             Action::Drive(Velocity::new(0.5, 0.0))
+///         } else {
+///             Action::Delivered(self.address.clone())
+///         }
 ///     }
 /// }
 /// ```
@@ -68,7 +75,8 @@ pub trait Agent {
 /// All information that an agent gets before an episode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Briefing {
-    /// The public map, OSM XML.
+    /// The public map, OSM XML. It has buildings and roads, but neither doors nor units: an agent
+    /// finds those by reading plates.
     pub map_osm: Vec<u8>,
     /// Projection and origin of the `map` frame.
     pub georeference: Georeference,
@@ -78,8 +86,8 @@ pub struct Briefing {
     pub start: Pose2,
     /// Sizes, sensors and limits of the robot.
     pub robot: RobotDescription,
-    /// Simulated time after which the episode has certainly ended. The exact limit depends on the
-    /// distance to the door, which an agent must not know; it is up to ten minutes earlier.
+    /// Simulated time after which the episode has certainly ended. The exact limit is up to ten
+    /// minutes earlier. Agents do not get it, since it depends on the distance to the door.
     pub time_limit: Duration,
 }
 
@@ -149,11 +157,16 @@ impl Velocity {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Action {
-    /// Drive with this velocity until the next observation.
+    /// Drive with this velocity until the next observation. What is beyond the robot's limits is
+    /// reduced to them.
     Drive(Velocity),
     /// Declares the parcel for this address delivered, here and now.
+    ///
+    /// The address must be one of the instruction, unit included. Another one fails the first
+    /// delivery that is still open. A second declaration of the same address has no effect.
     Delivered(Address),
-    /// Gives up a delivery, or all that are left.
+    /// Gives up a delivery, or all that are left. An address that is not in the instruction has no
+    /// effect.
     GiveUp(GiveUp),
 }
 

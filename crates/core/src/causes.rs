@@ -10,8 +10,12 @@ use std::error::Error;
 /// ```
 /// use openbench_core::with_causes;
 ///
-/// let error = "12 m".parse::<f64>().unwrap_err();
-/// assert_eq!(with_causes(&error), "invalid float literal");
+/// #[derive(Debug, thiserror::Error)]
+/// #[error("the width is unreadable")]
+/// struct WidthError(#[source] std::num::ParseFloatError);
+///
+/// let error = WidthError("12 m".parse::<f64>().unwrap_err());
+/// assert_eq!(with_causes(&error), "the width is unreadable: invalid float literal");
 /// ```
 pub fn with_causes(error: &dyn Error) -> String {
     let mut text = error.to_string();

@@ -3,7 +3,7 @@
 //! - `map`: metres, x east, y north, z up, of one world. A [`Georeference`] ties it to the Earth.
 //! - `odom`: like `map`, but continuous and with drift.
 //! - `base_link`: x forward, y left, z up; its origin is on the ground in the middle of the robot.
-//! - `livox_frame`, `camera_link`, `imu_link`: fixed to `base_link` as in
+//! - `livox_frame`, `camera_link`, `imu_link`, `gnss_link`: fixed to `base_link` as in
 //!   [`RobotDescription`](crate::RobotDescription). `camera_link` has x forward (it is not the
 //!   optical frame).
 

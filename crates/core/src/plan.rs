@@ -142,7 +142,8 @@ pub enum StepMode {
     Explore,
 }
 
-/// Driving times between places. Routers implement it; language planners order deliveries by it.
+/// Driving times between places. Language planners order deliveries by them.
+/// `openbench_routing::RouterTimes` computes them with a router.
 pub trait TravelTimes {
     /// Seconds from each of `places` to each, row by row (`from * n + to`); infinite without a
     /// route.

@@ -45,8 +45,8 @@ pub struct RobotDescription {
     pub camera: Pose3,
     /// Size and field of view of the camera's images.
     pub camera_intrinsics: CameraIntrinsics,
-    /// Pose of the satellite receiver's antenna; `None` without a receiver, as in the benchmark's
-    /// rules.
+    /// Pose of the satellite receiver's antenna; `None` without a receiver, as in the built-in
+    /// suites.
     #[serde(default)]
     pub gnss: Option<Pose3>,
 }

@@ -2,7 +2,7 @@
 //!
 //! # Modules
 //!
-//! | module | its one concept |
+//! | module | contents |
 //! |---|---|
 //! | `lexicon` | words, numbers and marks of all languages; a text as lexemes |
 //! | `gazetteer` | the names on a map as instructions may say them |

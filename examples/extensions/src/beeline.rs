@@ -1,15 +1,18 @@
-//! An agent: it drives straight at the building whose name the instruction contains, by wheel
-//! odometry and gyroscope, and declares the delivery where an obstacle stops it.
+//! An agent: it reads the instruction with the grammar, drives straight at one building after the
+//! other by wheel odometry and gyroscope, and declares the delivery where an obstacle stops it. It
+//! does not look for the right door, so it is right by chance only.
+
+use std::collections::VecDeque;
 
 use openbench::{AgentError, AgentRequest};
-use openbench_core::address::fold_name;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{
     Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, Goal, LidarPoint, LidarScan,
-    MapPoint, Observation, Velocity, with_causes,
+    MapPoint, Observation, Plan, Pose2, TravelTimes, Velocity, with_causes,
 };
+use openbench_language::{GrammarPlanner, PlanError, PlanRequest, Planner};
 use openbench_localization::{DeadReckoning, Localizer};
-use openbench_osm::{Building, OsmData, OsmMap};
+use openbench_osm::{OsmData, OsmMap};
 
 /// Speed, m/s.
 const SPEED_MPS: f64 = 0.4;
@@ -39,33 +42,45 @@ struct Beeline {
 /// The drive of an episode.
 struct Drive {
     localizer: DeadReckoning,
+    /// What is left, in order; the first one is at hand.
+    stops: VecDeque<Stop>,
+}
+
+/// A delivery.
+struct Stop {
     address: Address,
-    /// The point of the building's wall that is nearest to the start.
+    /// The point of the building's wall that is nearest to the stop before.
     target: MapPoint,
+}
+
+/// Times of drives along straight lines.
+struct StraightTimes;
+
+impl TravelTimes for StraightTimes {
+    fn matrix(&self, places: &[MapPoint]) -> Vec<f64> {
+        let seconds = |from: &MapPoint, to: &MapPoint| from.distance(*to) / SPEED_MPS;
+        places
+            .iter()
+            .flat_map(|from| places.iter().map(move |to| seconds(from, to)))
+            .collect()
+    }
 }
 
 impl Agent for Beeline {
     fn begin(&mut self, briefing: &Briefing, _events: &mut dyn Events) -> Result<(), GiveUp> {
-        let Goal::Instruction(words) = &briefing.goal else {
+        let Goal::Instruction(instruction) = &briefing.goal else {
             return Err(give_up(FailureCause::NotUnderstood, "words only"));
         };
         let data = OsmData::from_bytes(&briefing.map_osm)
             .map_err(|error| give_up(FailureCause::Briefing, &with_causes(&error)))?;
         let map = OsmMap::new(&data, briefing.georeference);
-        let building = building_in(words, &map)
-            .ok_or_else(|| give_up(FailureCause::UnknownAddress, "no building named"))?;
+        let plan = plan(instruction, &map, briefing.start)
+            .map_err(|error| give_up(FailureCause::NotUnderstood, &with_causes(&error)))?;
         let mut localizer = DeadReckoning::new(briefing.robot.clone());
         localizer.reset(briefing.start);
-        let wall = building
-            .polygon
-            .nearest_boundary_point(briefing.start.point());
         self.drive = Some(Drive {
             localizer,
-            address: Address {
-                building: building.name.clone().unwrap_or_default(),
-                unit: None,
-            },
-            target: wall.point,
+            stops: stops(&plan, &map, briefing.start),
         });
         Ok(())
     }
@@ -82,27 +97,54 @@ impl Drive {
     fn act(&mut self, observation: &Observation<'_>) -> Action {
         self.localizer.update(observation);
         let pose = self.localizer.pose();
-        let is_stopped = observation.scan.is_some_and(is_blocked);
-        if is_stopped || pose.point().distance(self.target) < ARRIVED_M {
-            return Action::Delivered(self.address.clone());
+        let Some(stop) = self.stops.front() else {
+            return Action::GiveUp(give_up(FailureCause::UnknownAddress, "no building is left"));
+        };
+        let error = wrap_angle(pose.point().bearing_to(stop.target) - pose.yaw);
+        let is_facing = error.abs() < TURN_FIRST_RAD;
+        // The wall of the building before may still be in front until the robot has turned.
+        let is_stopped = is_facing && observation.scan.is_some_and(is_blocked);
+        if is_stopped || pose.point().distance(stop.target) < ARRIVED_M {
+            let address = stop.address.clone();
+            self.stops.pop_front();
+            return Action::Delivered(address);
         }
         if !self.localizer.ready() {
             return Action::Drive(Velocity::ZERO);
         }
-        let error = wrap_angle(pose.point().bearing_to(self.target) - pose.yaw);
-        let is_ahead = error.abs() < TURN_FIRST_RAD;
-        let forward = if is_ahead { SPEED_MPS } else { 0.0 };
+        let forward = if is_facing { SPEED_MPS } else { 0.0 };
         Action::Drive(Velocity::new(forward, TURN_GAIN_PER_S * error))
     }
 }
 
-/// The building whose name a text contains.
-fn building_in<'m>(text: &str, map: &'m OsmMap) -> Option<&'m Building> {
-    let text = fold_name(text);
-    map.buildings.iter().find(|building| {
-        let name = building.name.as_deref();
-        name.is_some_and(|name| text.contains(&fold_name(name)))
+/// The deliveries that an instruction asks for.
+fn plan(instruction: &str, map: &OsmMap, start: Pose2) -> Result<Plan, PlanError> {
+    GrammarPlanner::new().plan(&PlanRequest {
+        instruction,
+        map,
+        start: start.point(),
+        times: &StraightTimes,
     })
+}
+
+/// The deliveries to buildings on the map.
+fn stops(plan: &Plan, map: &OsmMap, start: Pose2) -> VecDeque<Stop> {
+    let mut from = start.point();
+    let mut stops = VecDeque::new();
+    for delivery in &plan.deliveries {
+        let name = Some(delivery.building.as_str());
+        let building = map.buildings.iter().find(|b| b.name.as_deref() == name);
+        let Some(building) = building else {
+            continue;
+        };
+        let target = building.polygon.nearest_boundary_point(from).point;
+        stops.push_back(Stop {
+            address: delivery.address(),
+            target,
+        });
+        from = target;
+    }
+    stops
 }
 
 /// Whether something stands close in front of the LiDAR.

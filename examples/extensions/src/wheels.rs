@@ -1,4 +1,4 @@
-//! A localizer: differential drive odometry from the wheels alone, the yardstick of every other.
+//! A localizer: differential drive odometry from the wheels alone.
 
 use openbench_core::{Observation, Pose2, RobotDescription, SimTime, WheelSample};
 use openbench_localization::Localizer;
@@ -18,7 +18,8 @@ struct Wheels {
 
 impl Wheels {
     fn new(robot: &RobotDescription) -> Self {
-        let (wheel_radius_m, track_m) = (robot.wheel_radius, robot.wheel_separation);
+        // A skid-steered robot turns less than its wheels' distance suggests.
+        let (wheel_radius_m, track_m) = (robot.wheel_radius, robot.effective_track);
         Self {
             wheel_radius_m,
             track_m,

@@ -112,7 +112,7 @@ pub enum SettingsError {
         expected: &'static str,
     },
     /// The value is no planner and no chat model that can be opened.
-    #[error("planner={value}: write grammar, or name a chat model")]
+    #[error("planner={value} (the alternative is grammar)")]
     Planner {
         /// What was written.
         value: String,

@@ -29,6 +29,10 @@ use crate::trace::EpisodeTrace;
 pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     let began = Instant::now();
     if let Some(out) = request.out {
+        // An agent that refuses its settings must not cost the results of the run before.
+        if !request.prepared.episodes.is_empty() {
+            make(request, 0, Exchanges::Unkept)?;
+        }
         create_folder(out)?;
     }
     // CPU time of the whole process: plate readers may have threads of their own.

@@ -11,7 +11,7 @@ Examples:
   openbench plan --map campus.osm \"Box to unit 1, building 3\"
   openbench plan --map campus.osm --planner ollama:qwen2.5 \"Box to unit 1, building 3\"")]
 pub struct PlanArgs {
-    /// The map (.osm or .osm.pbf)
+    /// The map (.osm or .osm.pbf); the drive begins in its middle
     #[arg(long)]
     pub map: PathBuf,
     /// `grammar`, or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME,

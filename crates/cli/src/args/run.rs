@@ -6,6 +6,9 @@ use clap::Args as ClapArgs;
 
 use super::values::*;
 
+/// Heading of the arguments that take the place of a suite.
+const GAZEBO: &str = "A Gazebo world instead of a suite";
+
 /// Arguments of `run`.
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
@@ -25,7 +28,7 @@ pub struct RunArgs {
     /// Seed of all random draws
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Folder for results, report and logs
+    /// Folder for results, report and logs; those of an earlier run there are replaced
     #[arg(long, default_value = "runs/latest")]
     pub out: PathBuf,
     /// Episodes that run in parallel; results do not depend on it
@@ -50,19 +53,19 @@ pub struct RunArgs {
     #[arg(long)]
     pub json: bool,
     /// A Gazebo world (SDF)
-    #[arg(long, requires_all = ["map"])]
+    #[arg(long, requires_all = ["map"], help_heading = GAZEBO)]
     pub world: Option<PathBuf>,
     /// The OSM map of that world
-    #[arg(long, requires = "world")]
+    #[arg(long, requires = "world", help_heading = GAZEBO)]
     pub map: Option<PathBuf>,
     /// Folder with the models that `model://` names; may be repeated
-    #[arg(long, requires = "world")]
+    #[arg(long, requires = "world", help_heading = GAZEBO)]
     pub models: Vec<PathBuf>,
     /// File of instructions, one per line
-    #[arg(long, requires = "world")]
+    #[arg(long, requires = "world", help_heading = GAZEBO)]
     pub deliveries: Option<PathBuf>,
     /// File of true door positions, `(x, y)`; several per line for a sequence
-    #[arg(long, requires = "deliveries")]
+    #[arg(long, requires = "deliveries", help_heading = GAZEBO)]
     pub truth: Option<PathBuf>,
     /// Draw single deliveries and sequences instead of reading a file of deliveries
     #[arg(
@@ -70,11 +73,12 @@ pub struct RunArgs {
         value_names = ["SINGLES", "SEQUENCES", "LENGTH"],
         num_args = 3,
         requires = "world",
-        conflicts_with = "deliveries"
+        conflicts_with = "deliveries",
+        help_heading = GAZEBO
     )]
     pub draw: Option<Vec<usize>>,
     /// Georeference of the world: UTM zone, and the metres that are added to easting and northing,
-    /// such as utm:50N,-500000,-4483000
-    #[arg(long, requires = "world")]
+    /// such as utm:50N,-500000,-4483000 [default: that of the map]
+    #[arg(long, requires = "world", help_heading = GAZEBO)]
     pub georef: Option<String>,
 }

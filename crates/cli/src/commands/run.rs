@@ -236,16 +236,26 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
 
 /// The command line as it was given.
 fn command_line() -> String {
-    let quoted = |word: String| {
-        if word.contains(char::is_whitespace) {
-            format!("\"{word}\"")
-        } else {
-            word
-        }
-    };
-    let words = std::env::args().skip(1).map(quoted);
-    std::iter::once("openbench".to_owned())
-        .chain(words)
-        .collect::<Vec<_>>()
-        .join(" ")
+    let mut words = std::env::args();
+    // The name alone: a program with agents of its own has another one, its folder is the user's.
+    let program = words.next().map(PathBuf::from);
+    let name = program
+        .as_deref()
+        .and_then(|path| path.file_name()?.to_str());
+    let mut line = name.unwrap_or("openbench").to_owned();
+    for word in words {
+        line.push(' ');
+        line += &quoted(word);
+    }
+    line
+}
+
+/// A word as a shell takes it for one.
+fn quoted(word: String) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_=./:,@%+".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
 }

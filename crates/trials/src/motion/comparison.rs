@@ -458,7 +458,9 @@ fn failure(best: Option<f64>, drive: &Drive) -> Option<String> {
         (Some(_), End::Reached) => None,
         (None, end) if is_right_refusal(end) => None,
         (_, End::GaveUp(cause)) => Some(format!("gave up: {cause}")),
-        (_, end) => Some(format!("{end:?}")),
+        (_, End::Timeout) => Some("ran out of time".to_owned()),
+        (_, End::Mistaken) => Some("reported arrival beside the goal".to_owned()),
+        (None, End::Reached) => Some("reached a goal that no motion leads to".to_owned()),
     }
 }
 
@@ -515,8 +517,12 @@ mod tests {
             "oscillates: 15 swerves in 10.0 s"
         );
         assert!(wrong(Some(10.0), driven(no_way(), 1.0)).starts_with("gave up: "));
-        for end in [End::Timeout, End::Mistaken, End::Reached] {
-            assert_eq!(wrong(None, driven(end, 1.0)), format!("{end:?}"));
+        for (end, words) in [
+            (End::Timeout, "ran out of time"),
+            (End::Mistaken, "reported arrival beside the goal"),
+            (End::Reached, "reached a goal that no motion leads to"),
+        ] {
+            assert_eq!(wrong(None, driven(end, 1.0)), words);
         }
     }
 
