@@ -61,7 +61,7 @@ pub enum Command {
     Record(RecordArgs),
     /// Serve OSRM's HTTP API: route, nearest, table
     Serve(ServeArgs),
-    /// Score a log of the reference's recorder; prints JSON
+    /// Score a log of the paper's recorder; prints JSON
     Evaluate(EvaluateArgs),
     /// Repeat the recorded actions of a run, or its agent, and compare every state
     Verify(VerifyArgs),

@@ -186,7 +186,7 @@ pub struct GiveUp {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FailureCause {
-    /// The agent could not use its briefing.
+    /// The agent could not use its briefing, or does not take goals of that kind.
     Briefing,
     /// The instruction could not be understood.
     NotUnderstood,

@@ -26,8 +26,9 @@ pub trait Localizer {
     /// Whether the pose can be trusted already. A robot should stand still until then.
     fn ready(&self) -> bool;
 
-    /// How far the pose can be trusted. It must not be [`Health::Good`] for more than two seconds
-    /// after a fault began.
+    /// How far the pose can be trusted. A localizer that detects faults must not report
+    /// [`Health::Good`] for more than two seconds after a sensor began to fail. The default is for
+    /// localizers that detect none; `openbench bench health` shows what that costs.
     fn health(&self) -> Health {
         Health::Good
     }

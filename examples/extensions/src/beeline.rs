@@ -1,6 +1,6 @@
 //! An agent: it reads the instruction with the grammar, drives straight at one building after the
-//! other by wheel odometry and gyroscope, and declares the delivery where an obstacle stops it. It
-//! does not look for the right door, so it is right by chance only.
+//! other by wheel odometry and gyroscope, and declares the delivery a metre before the wall or where
+//! an obstacle stops it. It does not look for the right door, so it is right by chance only.
 
 use std::collections::VecDeque;
 
@@ -33,7 +33,7 @@ pub fn make(_: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
     Ok(Box::new(Beeline { drive: None }))
 }
 
-/// Drives straight at a building.
+/// Drives straight at each building.
 struct Beeline {
     /// `None` until the briefing.
     drive: Option<Drive>,
@@ -69,7 +69,10 @@ impl TravelTimes for StraightTimes {
 impl Agent for Beeline {
     fn begin(&mut self, briefing: &Briefing, _events: &mut dyn Events) -> Result<(), GiveUp> {
         let Goal::Instruction(instruction) = &briefing.goal else {
-            return Err(give_up(FailureCause::NotUnderstood, "words only"));
+            return Err(give_up(
+                FailureCause::Briefing,
+                "this agent takes instructions only",
+            ));
         };
         let data = OsmData::from_bytes(&briefing.map_osm)
             .map_err(|error| give_up(FailureCause::Briefing, &with_causes(&error)))?;
@@ -135,6 +138,8 @@ fn stops(plan: &Plan, map: &OsmMap, start: Pose2) -> VecDeque<Stop> {
         let name = Some(delivery.building.as_str());
         let building = map.buildings.iter().find(|b| b.name.as_deref() == name);
         let Some(building) = building else {
+            // Unknown, or one of several of that name: `delivery.problem` says why. It is given up
+            // after the others.
             continue;
         };
         let target = building.polygon.nearest_boundary_point(from).point;

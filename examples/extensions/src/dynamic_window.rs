@@ -1,9 +1,9 @@
 //! A local planner: the Dynamic Window Approach (D. Fox, W. Burgard, S. Thrun 1997).
 //!
-//! Of the velocities that the robot can reach within a cycle, those are admissible from which it
-//! can stop before an obstacle. The one with the best weighted sum of progress along the path,
-//! clearance and speed is driven (equation 13 of the paper, with the distance to a point ahead on
-//! the path instead of the heading towards the goal).
+//! Of the velocities that the robot can reach within a few cycles, those are admissible that lead
+//! into no obstacle. The one with the best weighted sum of progress along the path, heading,
+//! clearance and speed is driven (equation 13 of the paper, with progress towards a point ahead on
+//! the path added).
 
 use openbench::PartError;
 use openbench_core::frames::wrap_angle;
@@ -13,6 +13,9 @@ use openbench_motion::{Blocked, LocalPlanner, PlannerSettings, Progress, Situati
 
 /// Duration of a cycle, seconds.
 const CYCLE_S: f64 = 0.05;
+/// Time in which a velocity must be reachable, seconds. Within one cycle all velocities are so near
+/// to each other that their motions hardly differ.
+const WINDOW_S: f64 = 4.0 * CYCLE_S;
 /// Duration of a simulated motion, seconds, and its number of steps.
 const HORIZON_S: f64 = 1.5;
 const STEPS: u32 = 15;
@@ -26,12 +29,13 @@ const TOLERANCE_M: f64 = 0.15;
 const YAW_TOLERANCE_RAD: f64 = 0.08;
 /// Heading error above which the robot turns on the spot, radians.
 const TURN_FIRST_RAD: f64 = 0.9;
-/// Acceleration along and about, m/s² and rad/s².
+/// Acceleration along and about, m/s² and rad/s², chosen for smooth drives.
 const ACCELERATION: f64 = 0.8;
 const TURN_ACCELERATION: f64 = 3.0;
 /// Clearance beyond which more of it does not count, metres.
 const ENOUGH_CLEARANCE_M: f64 = 0.5;
-/// Weights of clearance and speed against metres of progress.
+/// Weights of heading error, clearance and speed against metres of progress.
+const HEADING_WEIGHT: f64 = 0.2;
 const CLEARANCE_WEIGHT: f64 = 0.2;
 const SPEED_WEIGHT: f64 = 0.1;
 
@@ -51,8 +55,8 @@ impl DynamicWindow {
     /// The best admissible velocity towards a point.
     fn best(&self, situation: &Situation<'_>, target: MapPoint) -> Option<Velocity> {
         let Velocity { linear, angular } = situation.velocity;
-        let faster = ACCELERATION * CYCLE_S * 4.0;
-        let turning = TURN_ACCELERATION * CYCLE_S * 4.0;
+        let faster = ACCELERATION * WINDOW_S;
+        let turning = TURN_ACCELERATION * WINDOW_S;
         let forward = Window::new(linear, faster, 0.0, self.robot.max_forward);
         let turn = Window::new(angular, turning, -self.robot.max_turn, self.robot.max_turn);
         let mut best: Option<(f64, Velocity)> = None;
@@ -96,7 +100,8 @@ impl DynamicWindow {
         let heading = libm::atan2(left, forward).abs();
         let clear = clearance.min(ENOUGH_CLEARANCE_M);
         let speed = velocity.linear;
-        Some(progress - 0.2 * heading + CLEARANCE_WEIGHT * clear + SPEED_WEIGHT * speed)
+        let facing = HEADING_WEIGHT * heading;
+        Some(progress - facing + CLEARANCE_WEIGHT * clear + SPEED_WEIGHT * speed)
     }
 
     /// Distance between the robot's circle and the nearest obstacle after so many seconds, metres.

@@ -55,6 +55,7 @@ impl Localizer for Wheels {
     }
 
     fn pose_at(&self, _time: SimTime) -> Pose2 {
+        // No history is kept. The newest pose stands in: 2.5 cm further than 50 ms before.
         self.pose
     }
 

@@ -51,7 +51,7 @@ impl Catalogue {
             },
             Choices {
                 key: "reader",
-                about: "reads plates; in a list each stands in for the one before: MODEL,ppocr-v4",
+                about: "reads plates; of a list (MODEL,ppocr-v4) the next one reads where one fails",
                 values: self.reader_names(),
                 default: default.reader,
             },

@@ -98,10 +98,10 @@ pub struct OdometryArgs {
 Example:
   openbench evaluate --log recorder.csv --truth gt.txt")]
 pub struct EvaluateArgs {
-    /// CSV file of the reference's recorder
+    /// CSV file of the paper's recorder: timestamp,status,address,robot_x,robot_y,robot_z
     #[arg(long)]
     pub log: PathBuf,
-    /// File of true door positions
+    /// File of true door positions, one `(x, y)` a line
     #[arg(long)]
     pub truth: PathBuf,
     /// The deliveries form a sequence

@@ -1,4 +1,4 @@
-//! Logs of the reference recorder, CSV.
+//! Logs of the recorder of the paper, CSV.
 
 use openbench_core::MapPoint;
 

@@ -1,4 +1,4 @@
-//! The paper's metrics for a log of the reference recorder.
+//! The paper's metrics for a log of the recorder of the paper.
 //!
 //! The log is CSV, `timestamp,status,address,robot_x,robot_y,robot_z`. A row with the status
 //! `start` begins each task; rows with `running` and `end` continue it. The truth file has one `(x,
