@@ -55,7 +55,7 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
     let listener = TcpListener::bind(args.listen)
         .await
         .with_context(|| format!("cannot listen on {}", args.listen))?;
-    // Before the address is printed: whoever reads it may send a signal at once.
+    // Before the address is printed, since a client may then stop the server at once.
     let mut stop = std::pin::pin!(stopped());
     tell(&format!(
         "{} edges of {} for `{}`; listening on http://{}",
