@@ -29,8 +29,8 @@ use crate::trace::EpisodeTrace;
 pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     let began = Instant::now();
     if let Some(out) = request.out {
-        // An agent that refuses its settings must not cost the results of the run before. It is made
-        // once in vain, since the one of episode 0 keeps its models' answers in the new folder.
+        // An agent that refuses its settings must not cost the results of the run before. This one
+        // is dropped: that of episode 0 keeps its models' answers in the new folder.
         if !request.prepared.episodes.is_empty() {
             make(request, 0, Exchanges::Unkept)?;
         }
