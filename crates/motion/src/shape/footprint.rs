@@ -107,13 +107,16 @@ impl Placed {
         edges(self.corners()).all(|edge| edge.along().cross(point - edge.from) >= 0.0)
     }
 
-    /// The same footprint displaced by `-shift`.
+    /// Its corners displaced by `-shift`, in `room`: a whole `Placed` would be copied twice.
     #[inline]
-    pub(super) fn moved_back(&self, shift: Vector2) -> Self {
-        let mut moved = *self;
-        moved.origin = self.origin - shift;
-        for corner in &mut moved.corners[..self.count] {
-            *corner = *corner - shift;
+    pub(super) fn corners_moved_back<'a>(
+        &self,
+        shift: Vector2,
+        room: &'a mut [Vector2; MOST_CORNERS],
+    ) -> &'a [Vector2] {
+        let moved = &mut room[..self.count];
+        for (to, from) in moved.iter_mut().zip(self.corners()) {
+            *to = *from - shift;
         }
         moved
     }

@@ -3,7 +3,7 @@
 use openbench_core::MapPoint;
 
 use super::distance::{between, edges, winds_twice};
-use super::error::ShapeError;
+use super::error::{MOST_CORNERS, ShapeError};
 use super::footprint::Placed;
 use crate::vector::Vector2;
 
@@ -158,14 +158,16 @@ impl Obstacle {
         // The robot is moved instead of the obstacle: it has fewer corners.
         let shift = self.velocity * seconds;
         // Circles around both first: they settle most obstacles.
-        let apart = foot.origin - shift - self.middle;
+        let origin = foot.origin - shift;
+        let apart = origin - self.middle;
         let far = self.radius + circumscribed + reach;
         if apart.dot(apart) > far * far {
             return None;
         }
-        let foot = foot.moved_back(shift);
-        let touch = between(foot.corners(), &self.corners);
-        let (arm, n) = (touch.on_foot - foot.origin, touch.normal);
+        let mut room = [Vector2::ZERO; MOST_CORNERS];
+        let corners = foot.corners_moved_back(shift, &mut room);
+        let touch = between(corners, &self.corners);
+        let (arm, n) = (touch.on_foot - origin, touch.normal);
         // The distance is n . (obstacle - contact point), and the contact point turns about the
         // robot's origin.
         let gradient = [-n.x, -n.y, n.x * arm.y - n.y * arm.x];

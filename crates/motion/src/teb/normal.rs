@@ -1,15 +1,40 @@
 //! Normal equations of a least-squares problem along a chain of knots, and their solution.
 //!
-//! Every residual depends on at most three knots in a row, of four variables each. So row i of the
-//! symmetric matrix is zero left of column i - 11, and so is its Cholesky factor. Memory and time
-//! grow with the length of the band, not with its square or cube.
+//! Every residual depends on at most three knots in a row, of four variables each. So the rows of
+//! a knot are zero left of the columns of the second knot before it, and so are those of the
+//! Cholesky factor. Memory and time grow with the length of the band, not with its square or cube.
+//!
+//! The four rows of a knot are stored column by column and treated together: one after the other,
+//! each addition of a scalar product would wait for the one before it.
 
 /// Variables of a knot.
 pub(crate) const BLOCK: usize = 4;
 /// Relative damping of the steps of a knot's variables: x, y, yaw, time.
 const SCALE: [f64; BLOCK] = [1.0, 1.0, 0.1, 0.02];
-/// Columns of a row that may differ from zero, the diagonal included.
-const WIDTH: usize = 3 * BLOCK;
+/// Knots before a knot that share residuals with it.
+const KNOTS_BEFORE: usize = 2;
+/// Columns before those of the knot itself.
+const OWN: usize = KNOTS_BEFORE * BLOCK;
+/// Columns of a knot's rows that may differ from zero.
+const WIDTH: usize = OWN + BLOCK;
+
+/// A column of a knot's rows.
+type Column = [f64; BLOCK];
+
+/// The rows of a knot, as columns: those of the two knots before it, and its own. What lies right
+/// of the diagonal is never read.
+type Rows = [Column; WIDTH];
+
+/// Rows before the first knot of a factor, so that it has two knots before it too: the identity.
+const BEFORE_FIRST: Rows = {
+    let mut rows = [[0.0; BLOCK]; WIDTH];
+    let mut i = 0;
+    while i < BLOCK {
+        rows[OWN + i][i] = 1.0;
+        i += 1;
+    }
+    rows
+};
 
 /// Receives weighted residuals and their derivatives by the `K` variables from the first one of
 /// knot `knot` on.
@@ -47,10 +72,11 @@ pub(crate) struct Step<'a> {
 /// JᵀWJ, JᵀWr and rᵀWr.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Normal {
-    /// Row i holds columns i - 11 to i.
-    matrix: Vec<[f64; WIDTH]>,
+    /// The rows of each knot.
+    matrix: Vec<Rows>,
     gradient: Vec<f64>,
-    factor: Vec<[f64; WIDTH]>,
+    /// Two times [`BEFORE_FIRST`], then the rows of each knot.
+    factor: Vec<Rows>,
     step: Vec<f64>,
     total: f64,
 }
@@ -66,14 +92,17 @@ impl Sink for Normal {
     ) {
         self.total += weight * residual * residual;
         let first = knot * BLOCK;
-        let rows = &mut self.matrix[first..first + K];
         let right = &mut self.gradient[first..first + K];
-        for (a, (row, right)) in rows.iter_mut().zip(right).enumerate() {
-            let scaled = weight * gradient[a];
-            *right += scaled * residual;
-            // Row a of the block ends at its diagonal: the upper half is not stored.
-            for (entry, b) in row[WIDTH - 1 - a..].iter_mut().zip(gradient) {
-                *entry += scaled * b;
+        for (right, by) in right.iter_mut().zip(gradient) {
+            *right += weight * by * residual;
+        }
+        for (later, by_rows) in gradient.chunks(BLOCK).enumerate() {
+            // The columns of the residual's first knot are those of a knot `later` before.
+            let columns = &mut self.matrix[knot + later][OWN - later * BLOCK..];
+            for (column, by_column) in columns.iter_mut().zip(gradient) {
+                for (entry, by_row) in column.iter_mut().zip(by_rows) {
+                    *entry += weight * by_row * by_column;
+                }
             }
         }
     }
@@ -83,7 +112,7 @@ impl Normal {
     /// Empties the equations for `knots` knots.
     pub(crate) fn clear(&mut self, knots: usize) {
         self.matrix.clear();
-        self.matrix.resize(knots * BLOCK, [0.0; WIDTH]);
+        self.matrix.resize(knots, [[0.0; BLOCK]; WIDTH]);
         self.gradient.clear();
         self.gradient.resize(knots * BLOCK, 0.0);
         self.total = 0.0;
@@ -96,23 +125,25 @@ impl Normal {
 
     /// Fixes a variable: its step will be zero.
     pub(crate) fn hold(&mut self, variable: usize) {
-        self.matrix[variable] = [0.0; WIDTH];
-        self.matrix[variable][WIDTH - 1] = 1.0;
-        self.gradient[variable] = 0.0;
-        let after = self.matrix.len().min(variable + WIDTH);
-        for (k, row) in self.matrix[variable + 1..after].iter_mut().enumerate() {
-            row[WIDTH - 2 - k] = 0.0;
+        let (knot, place) = (variable / BLOCK, variable % BLOCK);
+        for column in &mut self.matrix[knot] {
+            column[place] = 0.0;
         }
+        for (later, rows) in self.matrix[knot..]
+            .iter_mut()
+            .enumerate()
+            .take(KNOTS_BEFORE + 1)
+        {
+            rows[OWN - later * BLOCK + place] = [0.0; BLOCK];
+        }
+        self.matrix[knot][OWN + place][place] = 1.0;
+        self.gradient[variable] = 0.0;
     }
 
     /// The step that minimizes the sum of squares plus `damping` times the square of the step
     /// itself (Levenberg); `None` if the matrix is not positive definite or not finite.
     pub(crate) fn step(&mut self, damping: f64) -> Option<Step<'_>> {
-        self.factor.clone_from(&self.matrix);
-        for (i, row) in self.factor.iter_mut().enumerate() {
-            row[WIDTH - 1] += damping * SCALE[i % BLOCK];
-        }
-        self.factorize()?;
+        self.factorize(damping)?;
         self.substitute();
         let each = self.step.iter().zip(&self.gradient).enumerate();
         let fall = each
@@ -125,62 +156,103 @@ impl Normal {
         })
     }
 
-    /// Cholesky factorization, row by row: each entry is one short scalar product of two rows.
-    fn factorize(&mut self) -> Option<()> {
-        for i in 0..self.factor.len() {
-            let (above, rest) = self.factor.split_at_mut(i);
-            let row = &mut rest[0];
-            for j in i.saturating_sub(WIDTH - 1)..i {
-                // Column j of row i is entry j - i + 11; the entries of row j before its diagonal
-                // pair with those before this one.
-                let at = WIDTH - 1 - (i - j);
-                let upper = &above[j];
-                let product: f64 = row[..at]
-                    .iter()
-                    .zip(&upper[i - j..])
-                    .map(|(a, b)| a * b)
-                    .sum();
-                row[at] = (row[at] - product) / upper[WIDTH - 1];
+    /// Cholesky factorization of the damped matrix, knot by knot.
+    fn factorize(&mut self, damping: f64) -> Option<()> {
+        self.factor.clear();
+        self.factor.resize(KNOTS_BEFORE, BEFORE_FIRST);
+        self.factor.extend_from_slice(&self.matrix);
+        for knot in KNOTS_BEFORE..self.factor.len() {
+            let (before, rest) = self.factor.split_at_mut(knot);
+            let rows = &mut rest[0];
+            for (i, scale) in SCALE.iter().enumerate() {
+                rows[OWN + i][i] += damping * scale;
             }
-            let square: f64 = row[..WIDTH - 1].iter().map(|a| a * a).sum();
-            let pivot = row[WIDTH - 1] - square;
-            // Written so that NaN ends here too.
-            if !(pivot > 0.0 && pivot.is_finite()) {
-                return None;
-            }
-            row[WIDTH - 1] = pivot.sqrt();
+            factorize_rows(rows, before.last_chunk()?)?;
         }
         Some(())
     }
 
     /// Forward and backward substitution.
     fn substitute(&mut self) {
-        let n = self.gradient.len();
+        let factor = &self.factor[KNOTS_BEFORE..];
         self.step.clear();
         self.step.extend(self.gradient.iter().map(|g| -g));
         // Forward: L y = -g, by rows of L.
-        for i in 0..n {
-            let first = i.saturating_sub(WIDTH - 1);
-            let row = &self.factor[i];
-            let known = row[WIDTH - 1 - (i - first)..WIDTH - 1]
-                .iter()
-                .zip(&self.step[first..i]);
-            let product: f64 = known.map(|(a, b)| a * b).sum();
-            self.step[i] = (self.step[i] - product) / row[WIDTH - 1];
+        for (knot, rows) in factor.iter().enumerate() {
+            let (known, rest) = self.step.split_at_mut(knot * BLOCK);
+            let known = &known[known.len().saturating_sub(OWN)..];
+            let mut products = [0.0; BLOCK];
+            for (column, value) in rows[OWN - known.len()..OWN].iter().zip(known) {
+                add_multiple(&mut products, column, *value);
+            }
+            for i in 0..BLOCK {
+                let column = &rows[OWN + i];
+                let value = (rest[i] - products[i]) / column[i];
+                rest[i] = value;
+                add_multiple(&mut products, column, value);
+            }
         }
         // Backward: Lᵀ δ = y. The columns of Lᵀ are rows of L: each value, once known, is taken out
         // of those before it.
-        for i in (0..n).rev() {
-            let row = &self.factor[i];
-            let value = self.step[i] / row[WIDTH - 1];
-            self.step[i] = value;
-            for (k, entry) in (i.saturating_sub(WIDTH - 1)..i)
-                .rev()
-                .zip(row[..WIDTH - 1].iter().rev())
-            {
-                self.step[k] -= entry * value;
+        for (knot, rows) in factor.iter().enumerate().rev() {
+            let first = knot * BLOCK;
+            for i in (0..BLOCK).rev() {
+                let value = self.step[first + i] / rows[OWN + i][i];
+                self.step[first + i] = value;
+                let before = &mut self.step[first.saturating_sub(OWN)..first + i];
+                let columns = &rows[OWN + i - before.len()..];
+                for (step, column) in before.iter_mut().zip(columns) {
+                    *step -= column[i] * value;
+                }
             }
         }
+    }
+}
+
+/// Turns the rows of a knot into those of the Cholesky factor, given the factor's rows of the two
+/// knots before it; `None` if a pivot is not positive.
+#[inline]
+fn factorize_rows(rows: &mut Rows, before: &[Rows; KNOTS_BEFORE]) -> Option<()> {
+    for k in 0..OWN {
+        // Column k is the diagonal of row k % 4 of an earlier knot: an entry is what the scalar
+        // product of both rows leaves of the matrix.
+        let (knot, i) = (k / BLOCK, k % BLOCK);
+        let earlier = &before[knot];
+        let diagonal = OWN + i;
+        let mut products = [0.0; BLOCK];
+        for (column, factor) in rows[..k].iter().zip(&earlier[diagonal - k..]) {
+            add_multiple(&mut products, column, factor[i]);
+        }
+        let pivot = earlier[diagonal][i];
+        for (entry, product) in rows[k].iter_mut().zip(products) {
+            *entry = (*entry - product) / pivot;
+        }
+    }
+    for i in 0..BLOCK {
+        let k = OWN + i;
+        let mut products = [0.0; BLOCK];
+        for column in &rows[..k] {
+            add_multiple(&mut products, column, column[i]);
+        }
+        let square = rows[k][i] - products[i];
+        // Written so that NaN ends here too.
+        if !(square > 0.0 && square.is_finite()) {
+            return None;
+        }
+        let pivot = square.sqrt();
+        for (entry, product) in rows[k].iter_mut().zip(products) {
+            *entry = (*entry - product) / pivot;
+        }
+        rows[k][i] = pivot;
+    }
+    Some(())
+}
+
+/// Adds `factor * column` to `sum`.
+#[inline]
+fn add_multiple(sum: &mut Column, column: &Column, factor: f64) {
+    for (sum, entry) in sum.iter_mut().zip(column) {
+        *sum += entry * factor;
     }
 }
 
