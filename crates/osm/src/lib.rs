@@ -23,6 +23,7 @@
 //! | `address` | [`locate`]: the location query, from unit up to building |
 //! | `cutout` | [`cut_out`]: a neighbourhood out of a larger map |
 //! | `edit` | entrances added, merged and removed |
+//! | `renumber` | [`renumbered`]: new numbers that tell nothing about removed elements |
 
 mod address;
 mod areas;
@@ -38,6 +39,7 @@ pub mod names;
 mod pbf;
 mod projection;
 mod read;
+mod renumber;
 mod rings;
 mod spatial;
 pub mod stream;
@@ -54,5 +56,6 @@ pub use element::{ElementId, ElementKind, Member, Node, Relation, Way};
 pub use error::OsmError;
 pub use map::{Area, Barrier, Building, Entrance, MapReport, OsmMap, Road};
 pub use projection::{Projection, ProjectionError, default_georeference};
+pub use renumber::renumbered;
 pub use tags::Tags;
 pub use write::{changes, write_atomically};

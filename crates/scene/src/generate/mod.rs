@@ -50,7 +50,7 @@ mod water;
 
 use openbench_core::{Georeference, MapPoint, Pose2};
 use openbench_geometry::Segment;
-use openbench_osm::{OsmData, OsmMap, without_doors};
+use openbench_osm::{OsmData, OsmMap, renumbered, without_doors};
 
 pub use builtin::{builtin, builtin_georeference, builtin_names};
 pub use error::GenerateError;
@@ -253,7 +253,7 @@ fn generate_within(
         name: options.name.clone(),
         scene: finished.scene,
         // Agents get the map without its doors: those are what they have to find.
-        map: public,
+        map: renumbered(&public),
         georeference,
         start,
         attribution: options.attribution.clone(),

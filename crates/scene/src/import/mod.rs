@@ -42,7 +42,7 @@ use std::path::PathBuf;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use openbench_core::{Georeference, Pose2, Pose3};
-use openbench_osm::{OsmData, OsmMap, default_georeference, without_doors};
+use openbench_osm::{OsmData, OsmMap, default_georeference, renumbered, without_doors};
 
 pub use error::{ImportError, ObjError};
 
@@ -150,7 +150,7 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
             .file_stem()
             .map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         scene: builder.build(),
-        map: without_doors(&data),
+        map: renumbered(&without_doors(&data)),
         georeference: local,
         start: Pose2::new(start.x + shift.x, start.y + shift.y, start.yaw),
         attribution: vec![
