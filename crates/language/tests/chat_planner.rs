@@ -15,7 +15,7 @@ const B9: &str =
 
 fn ask(lines: &[&str], instruction: &str) -> (Result<Plan, PlanError>, Vec<String>) {
     let script = Arc::new(Script::new(lines));
-    let planner = ChatPlanner::new(Box::new(script.clone()));
+    let planner = ChatPlanner::new(Box::new(script.clone())).with_fallback();
     (
         plan(&planner, &numbered(9), &Straight, instruction),
         script.asked(),
@@ -156,12 +156,31 @@ fn the_grammar_takes_over_if_the_model_is_unavailable() {
 }
 
 #[test]
-fn the_models_error_is_returned_if_the_grammar_fails_too() {
+fn without_a_fallback_the_models_error_is_returned() {
+    let alone = |lines: &[&str]| {
+        let planner = ChatPlanner::new(Box::new(Arc::new(Script::new(lines))));
+        let text = "building 5 and building 2";
+        plan(&planner, &numbered(9), &Straight, text).unwrap_err()
+    };
+    let two = r#"[{"building": "building5"}, {"building": "building2"}]"#;
+    for lines in [&[][..], &[two], &[two, two]] {
+        let error = alone(lines);
+        let is_silent = matches!(error, PlanError::ModelUnavailable { .. });
+        assert!(is_silent, "{error}");
+    }
+    let error = alone(&[B9, B9, B9, B9]);
+    assert!(matches!(error, PlanError::InvalidAnswer { .. }), "{error}");
+}
+
+#[test]
+fn the_models_error_is_told_if_the_grammar_fails_too() {
     let (plan, _) = ask(&[], "hello");
     let error = plan.unwrap_err();
+    assert!(matches!(error, PlanError::NotUnderstood { .. }), "{error}");
+    let said = error.to_string();
     assert!(
-        matches!(&error, PlanError::ModelUnavailable { model, .. } if model == "script"),
-        "{error}"
+        said.contains("the chat model `script` is not available"),
+        "{said}"
     );
     let none = r#"{"deliveries": []}"#;
     let (plan, _) = ask(&[none, none], "hello");
@@ -324,7 +343,7 @@ fn a_map_that_gives_orders_to_the_model_cannot_add_an_address() {
         ],
         &[],
     );
-    let planner = ChatPlanner::new(Box::new(Script::new(&[B9, B9, B9])));
+    let planner = ChatPlanner::new(Box::new(Script::new(&[B9, B9, B9]))).with_fallback();
     let plan = plan(&planner, &map, &Flat, "the box to unit 1 of building 3").unwrap();
     assert_eq!(
         by_the_grammar(&plan, PlanPart::Addresses, "names no building"),

@@ -106,8 +106,8 @@ impl Catalogue {
     /// # Errors
     /// [`SettingsError`] with the key whose value names no part, or an argument that is refused.
     pub fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
-        if settings.planner != settings::GRAMMAR {
-            let spec = ModelSpec::parse(&settings.planner);
+        if let Some(ChatWord { model, .. }) = ChatWord::read(&settings.planner) {
+            let spec = ModelSpec::parse(model);
             spec.map_err(|error| planner_error(&settings.planner, error))?;
         }
         for name in self.readers.split(&settings.reader) {
@@ -119,7 +119,8 @@ impl Catalogue {
         Ok(())
     }
 
-    /// The planner of instructions that a word names: `grammar`, or a chat model.
+    /// The planner of instructions that a word names: `grammar`, a chat model, or `MODEL,grammar`
+    /// for a chat model with the grammar as fallback.
     ///
     /// # Errors
     /// [`SettingsError::Planner`] if the word names no model that can be opened.
@@ -128,13 +129,18 @@ impl Catalogue {
         word: &str,
         models: &mut Models,
     ) -> Result<Box<dyn Planner>, SettingsError> {
-        if word == settings::GRAMMAR {
+        let Some(ChatWord { model, falls_back }) = ChatWord::read(word) else {
             return Ok(Box::new(GrammarPlanner::new()));
-        }
+        };
         let model = models
-            .open(word)
+            .open(model)
             .map_err(|error| planner_error(word, error))?;
-        Ok(Box::new(ChatPlanner::new(model)))
+        let planner = ChatPlanner::new(model);
+        Ok(Box::new(if falls_back {
+            planner.with_fallback()
+        } else {
+            planner
+        }))
     }
 
     /// The local planner of that name.
@@ -189,6 +195,31 @@ impl Catalogue {
         let found = found.map_err(|source| unknown_part("fixes", value, source))?;
         let read = found.entry.part.read(found.argument);
         read.map_err(|error| part_error("fixes", value, error))
+    }
+}
+
+/// A value of `planner` that names a chat model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct ChatWord<'a> {
+    /// The name of the model.
+    model: &'a str,
+    /// Whether the grammar makes what the model cannot.
+    falls_back: bool,
+}
+
+impl<'a> ChatWord<'a> {
+    /// `None` for the grammar itself.
+    fn read(word: &'a str) -> Option<Self> {
+        if word == settings::GRAMMAR {
+            return None;
+        }
+        // At the last comma: paths and addresses may contain commas.
+        let listed = word.rsplit_once(',');
+        let fallback = listed.filter(|(_, last)| *last == settings::GRAMMAR);
+        Some(Self {
+            model: fallback.map_or(word, |(model, _)| model),
+            falls_back: fallback.is_some(),
+        })
     }
 }
 

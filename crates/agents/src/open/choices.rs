@@ -82,7 +82,7 @@ impl Catalogue {
             },
             Choices {
                 key: "budget",
-                about: "the most that an episode may ask of models; then the grammar plans",
+                about: "the most that an episode may ask of models",
                 values: owned(["CALLS,TOKENS,SECONDS"]),
                 default: format!("{calls},{tokens},{seconds}"),
             },

@@ -45,7 +45,8 @@ pub const NO_FIXES: &str = "none";
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
-    /// `planner`: `grammar`, or a chat model as [`ModelSpec`](openbench_models::ModelSpec) has it.
+    /// `planner`: `grammar`, a chat model as [`ModelSpec`](openbench_models::ModelSpec) has it, or
+    /// such a model with the grammar as fallback, as in `ollama:qwen2.5,grammar`.
     pub planner: String,
     /// `reader`: plate readers that are asked in turn, separated by commas; each a name of
     /// [`Catalogue::readers`](super::Catalogue::readers) or a vision model.

@@ -11,10 +11,10 @@
 //! - the order holds each stop once, and keeps to what the instruction asks for (as the grammar
 //!   reads it); where something is due at a time, the model is not asked for one.
 //!
-//! Each prompt is asked again once with the reason. Then the grammar makes that part of the plan,
-//! which says so ([`Fallback`]), also where the model does not answer at all. There is no plan only
-//! where the grammar understands nothing either. Names and problems are made as for every planner.
-//! The prompts are the files in `prompts/`.
+//! Each prompt is asked again once with the reason. Then there is no plan, unless the grammar was
+//! named as the fallback ([`ChatPlanner::with_fallback`]): it makes that part of the plan, which
+//! says so ([`Fallback`]), also where the model does not answer at all. Names and problems are made
+//! as for every planner. The prompts are the files in `prompts/`.
 
 mod adopt;
 mod answers;
@@ -90,6 +90,7 @@ pub struct ChatPlanner {
     name: String,
     grammar: GrammarPlanner,
     is_bare: bool,
+    falls_back: bool,
 }
 
 impl ChatPlanner {
@@ -101,7 +102,15 @@ impl ChatPlanner {
             name,
             grammar: GrammarPlanner::new(),
             is_bare: false,
+            falls_back: false,
         }
+    }
+
+    /// The same planner, with the grammar for the parts of a plan that the model cannot make.
+    #[must_use]
+    pub fn with_fallback(mut self) -> Self {
+        self.falls_back = true;
+        self
     }
 
     /// A planner that takes the first answer to the first prompt as it is, in its order:
@@ -115,6 +124,7 @@ impl ChatPlanner {
             name,
             grammar: GrammarPlanner::new(),
             is_bare: true,
+            falls_back: false,
         }
     }
 
@@ -177,15 +187,20 @@ impl Planner for ChatPlanner {
                     fallback: None,
                 },
                 // The addresses hold; only their order is computed instead.
-                Err(error) => {
+                Err(error) if self.falls_back => {
                     let fallback = self.fallback(PlanPart::Order, &error);
                     Ordered::shortest(request, stops, fallback)
                 }
+                Err(error) => return Err(error),
             },
+            Err(error) if !self.falls_back => return Err(error),
             Err(error) => {
                 let fallback = self.fallback(PlanPart::Addresses, &error);
-                // The model's error, if the grammar has nothing to offer either.
-                let read = conversation.instruction.read.ok_or(error)?;
+                // Two planners were asked, and the last one does not understand.
+                let read = conversation.instruction.read.ok_or_else(|| {
+                    let hint = format!("{}: {}", self.name, with_causes(&error));
+                    PlanError::not_understood(request.instruction, &hint)
+                })?;
                 Ordered::shortest(request, read, fallback)
             }
         };
