@@ -63,10 +63,11 @@ known.join(", ")
         /// The error of the parser, with line and column.
         source: Box<dyn Error + Send + Sync>,
     },
-    /// No delivery was found in an instruction.
+    /// The doors that an instruction requests are not known.
     #[error(
-        "episode {episode}: no delivery was found in `{instruction}`; give the true positions \
- with --truth, or name building and unit"
+        "episode {episode}: nobody says which doors `{instruction}` requests; give a JSONL file \
+         with annotations, the true positions with --truth, or let a planner of OPEN read them \
+         with --targets planner"
     )]
     NothingToDeliver {
         /// Episode number, from 0.
@@ -98,6 +99,17 @@ path.display(), at.x, at.y
         nearest: String,
         /// Distance to that door, metres.
         away: f64,
+    },
+    /// The model that was asked to plan has never answered.
+    #[error(
+        "episode {episode}: {detail}; no delivery was attempted. To let the grammar plan where \
+         the model does not, name both: --set planner=MODEL,grammar"
+    )]
+    Unreachable {
+        /// Episode number, from 0.
+        episode: usize,
+        /// What the agent reports.
+        detail: String,
     },
     /// The log of an episode cannot be written.
     #[error(transparent)]

@@ -36,6 +36,6 @@ pub use run::{
 };
 pub use score::Results;
 pub use suite::builtin::builtin_suites;
-pub use suite::{Episode, Sensors, Suite, WorldSource};
+pub use suite::{Episode, Sensors, Suite, TargetSource, WorldSource};
 pub use trace::EpisodeTrace;
 pub use worlds::{Prepared, builtin_suite};

@@ -42,10 +42,11 @@ pub fn exit(result: anyhow::Result<Outcome>) -> ExitCode {
 }
 
 fn is_failed_run(error: &anyhow::Error) -> bool {
-    // A replay that differs, or a log that cannot be written. Other errors are of usage or input.
+    // A replay that differs, a model that never answered, a log that cannot be written. Other
+    // errors are of usage or input.
     matches!(
         error.downcast_ref(),
-        Some(BenchError::Differs { .. } | BenchError::Log(_))
+        Some(BenchError::Differs { .. } | BenchError::Log(_) | BenchError::Unreachable { .. })
     )
 }
 

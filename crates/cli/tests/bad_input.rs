@@ -10,7 +10,7 @@ use common::{Place, Ran};
 fn spoilt(file: &str, content: impl AsRef<[u8]>) -> Ran {
     let place = town();
     place.file(file, content);
-    deliver(&place, "--deliveries one.txt")
+    deliver(&place, "--deliveries one.txt --targets planner")
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn what_is_left_out_of_a_map_is_said() {
     );
     let ran = deliver(
         &place,
-        &format!("--deliveries one.txt --set reader={NOBODY}"),
+        &format!("--deliveries one.txt --targets planner --set reader={NOBODY}"),
     );
     assert!(
         ran.succeeded().stderr.contains("town.osm: 1 element"),
@@ -89,6 +89,24 @@ fn an_empty_file_of_deliveries_is_refused() {
 }
 
 #[test]
+fn instructions_without_a_truth_are_refused_unless_a_planner_is_asked_for() {
+    let ran = deliver(&town(), "--deliveries one.txt");
+    ran.refused_with(&["one.txt", "--truth", "JSONL", "--targets planner"]);
+    let place = town();
+    place.file("truth.txt", "(8.2, 0.0)\n");
+    deliver(
+        &place,
+        "--deliveries one.txt --truth truth.txt --targets planner",
+    )
+    .refused_with(&["--targets", "--truth"]);
+    place.file(
+        "one.jsonl",
+        "{\"instruction\": \"Hello\", \"deliveries\": []}\n",
+    );
+    deliver(&place, "--deliveries one.jsonl").refused_with(&["one.jsonl", "line 1", "no door"]);
+}
+
+#[test]
 fn an_instruction_that_names_no_door_needs_a_truth() {
     spoilt("one.txt", "The weather is fine today.\n").refused_with(&["one.txt", "--truth"]);
 }
@@ -99,7 +117,7 @@ fn a_door_that_the_world_lacks_is_named_with_those_it_has() {
     place.file("one.txt", "Bring this to unit7, building1.");
     let ran = deliver(
         &place,
-        &format!("--deliveries one.txt --set reader={NOBODY}"),
+        &format!("--deliveries one.txt --targets planner --set reader={NOBODY}"),
     );
     let said = &ran.succeeded().stderr;
     assert!(
@@ -121,8 +139,14 @@ fn a_truth_with_too_many_lines_is_refused() {
 }
 
 #[test]
-fn a_truth_with_too_many_doors_in_a_line_is_refused() {
-    with_truth("(8.2, 0.0) (0.0, 12.2)\n").refused_with(&[
+fn a_truth_with_other_doors_than_the_annotation_is_refused() {
+    let place = town();
+    let door = r#"{"building": "building1", "unit": "unit1"}"#;
+    let line = format!(r#"{{"instruction": "x", "deliveries": [{door}]}}"#);
+    place
+        .file("one.jsonl", line)
+        .file("truth.txt", "(8.2, 0.0) (0.0, 12.2)\n");
+    deliver(&place, "--deliveries one.jsonl --truth truth.txt").refused_with(&[
         "truth.txt",
         "line 1",
         "2 true positions",
@@ -151,9 +175,16 @@ fn unknown_names_are_answered_with_the_known_ones() {
     place
         .openbench("run atlantis")
         .refused_with(&["atlantis", "small, medium, large"]);
-    deliver(&place, "--deliveries one.txt --agent bond").refused_with(&["bond", "open"]);
-    deliver(&place, "--deliveries one.txt --set colour=red")
-        .refused_with(&["colour", "planner, reader, localizer, fixes"]);
+    deliver(
+        &place,
+        "--deliveries one.txt --targets planner --agent bond",
+    )
+    .refused_with(&["bond", "open"]);
+    deliver(
+        &place,
+        "--deliveries one.txt --targets planner --set colour=red",
+    )
+    .refused_with(&["colour", "planner, reader, localizer, fixes"]);
     place
         .openbench("route --map town.osm --profile sledge 3,0 3.0001,0")
         .refused_with(&["sledge", "delivery"]);
@@ -171,7 +202,8 @@ fn values_of_settings_that_mean_nothing_are_refused() {
         "motion=nothing",
     ] {
         // The last `reader` counts, so that no model file is asked for.
-        let words = format!("--deliveries one.txt --set reader={NOBODY} --set {setting}");
+        let words =
+            format!("--deliveries one.txt --targets planner --set reader={NOBODY} --set {setting}");
         deliver(&place, &words).refused_with(&[setting]);
         // No folder of results, and above all no log that was begun.
         assert!(!place.path("runs").exists(), "{setting}");
@@ -186,9 +218,18 @@ fn files_that_are_not_there_are_named() {
             "run --world {world} --map {map} --georef tangent:3,0 {more}"
         ))
     };
-    here("no.world", "town.osm", "--deliveries one.txt")
-        .refused_with(&["no.world", "No such file"]);
-    here("town.world", "no.osm", "--deliveries one.txt").refused_with(&["no.osm", "No such file"]);
+    here(
+        "no.world",
+        "town.osm",
+        "--deliveries one.txt --targets planner",
+    )
+    .refused_with(&["no.world", "No such file"]);
+    here(
+        "town.world",
+        "no.osm",
+        "--deliveries one.txt --targets planner",
+    )
+    .refused_with(&["no.osm", "No such file"]);
     here("town.world", "town.osm", "--deliveries no.txt").refused_with(&["no.txt", "No such file"]);
     here(
         "town.world",
@@ -233,8 +274,10 @@ fn a_georeference_that_is_none_is_quoted() {
         "utm:N,0,0",
         "utm:é,0,0",
     ] {
-        let words =
-            format!("run --world town.world --map town.osm --deliveries one.txt --georef {georef}");
+        let words = format!(
+            "run --world town.world --map town.osm --deliveries one.txt --targets planner \
+             --georef {georef}"
+        );
         place.openbench(&words).refused_with(&[georef, "utm:"]);
     }
 }
@@ -243,14 +286,23 @@ fn a_georeference_that_is_none_is_quoted() {
 fn bad_usage_is_refused() {
     let place = town();
     for (more, part) in [
-        ("--deliveries one.txt --jobs 0", "--jobs"),
-        ("--deliveries one.txt --jobs 1000", "--jobs"),
-        ("--deliveries one.txt --seed minus", "--seed"),
+        ("--deliveries one.txt --targets planner --jobs 0", "--jobs"),
         (
-            "--deliveries one.txt --record everything",
+            "--deliveries one.txt --targets planner --jobs 1000",
+            "--jobs",
+        ),
+        (
+            "--deliveries one.txt --targets planner --seed minus",
+            "--seed",
+        ),
+        (
+            "--deliveries one.txt --targets planner --record everything",
             "none, thin or full",
         ),
-        ("--deliveries one.txt --set planner", "KEY=VALUE"),
+        (
+            "--deliveries one.txt --targets planner --set planner",
+            "KEY=VALUE",
+        ),
         ("", "--deliveries"),
         ("small", "--world"),
     ] {
@@ -283,7 +335,8 @@ fn a_suite_file_that_is_none_is_refused_with_its_line() {
 #[test]
 fn an_out_folder_that_is_a_file_is_named() {
     let place = town();
-    let words = format!("--deliveries one.txt --out one.txt --set reader={NOBODY}");
+    let words =
+        format!("--deliveries one.txt --targets planner --out one.txt --set reader={NOBODY}");
     deliver(&place, &words).refused_with(&["one.txt"]);
 }
 
@@ -293,14 +346,17 @@ fn a_memory_that_is_no_map_is_refused() {
     place
         .file("memory.osm", "<osm")
         .file("walled.world", world(&prison()));
-    let words = format!("--deliveries one.txt --memory memory.osm --set reader={NOBODY}");
+    let words =
+        format!("--deliveries one.txt --targets planner --memory memory.osm --set reader={NOBODY}");
     deliver(&place, &words).refused_with(&["memory.osm"]);
 }
 
 #[test]
 fn a_memory_that_cannot_be_written_is_refused_before_anything_is_driven() {
     let place = town();
-    let words = format!("--deliveries one.txt --memory nowhere/memory.osm --set reader={NOBODY}");
+    let words = format!(
+        "--deliveries one.txt --targets planner --memory nowhere/memory.osm --set reader={NOBODY}"
+    );
     deliver(&place, &words).refused_with(&["nowhere/memory.osm"]);
     assert!(!place.path("runs").exists());
 }

@@ -24,7 +24,7 @@ fn plan_by(planner: &str, instruction: &str) -> Ran {
         "--map",
         "town.osm",
         "--planner",
-        planner,
+        &format!("{planner},grammar"),
         instruction,
     ])
 }
@@ -212,7 +212,10 @@ fn an_endpoint_that_goes_away_between_the_prompts_is_not_missed() {
 fn a_mission_goes_on_without_its_planners_endpoint() {
     let place = town();
     let reader = reader_that_says(UNIT_1);
-    let words = format!("--deliveries one.txt --json --set planner={NOBODY} --set reader={reader}");
+    let words = format!(
+        "--deliveries one.txt --targets planner \
+         --json --set planner={NOBODY},grammar --set reader={reader}"
+    );
     let results = deliver(&place, &words).succeeded().json();
     assert_eq!(results["deliveries"][0]["success_2m"], true, "{results}");
     assert!(
@@ -231,7 +234,9 @@ fn a_mission_goes_on_without_its_readers_endpoint_if_another_stands_in() {
             Answer::HangUp
         }
     });
-    let words = |readers: &str| format!("--deliveries one.txt --json --set reader={readers}");
+    let words = |readers: &str| {
+        format!("--deliveries one.txt --targets planner --json --set reader={readers}")
+    };
     let alone = deliver(&place, &words(&dying)).succeeded().json();
     assert_eq!(
         alone["deliveries"][0]["failure"], "reader_unavailable",
@@ -248,7 +253,8 @@ fn a_spent_budget_leaves_the_plan_to_the_grammar() {
     let (planner, reader) = (endpoint(|_, _| says(right())), reader_that_says(UNIT_1));
     let run = |budget: &str| {
         let words = format!(
-            "--deliveries one.txt --json --set planner={planner} --set reader={reader} --set \
+            "--deliveries one.txt --targets planner \
+             --json --set planner={planner} --set reader={reader} --set \
             budget={budget}"
         );
         deliver(&place, &words)
@@ -276,7 +282,8 @@ fn what_models_take_to_answer_is_charged_if_that_is_asked_for() {
     let reader = reader_that_says(UNIT_1);
     let seconds = |thinking: &str| {
         let words = format!(
-            "--deliveries one.txt --json --set planner={planner} --set reader={reader} --set \
+            "--deliveries one.txt --targets planner \
+             --json --set planner={planner} --set reader={reader} --set \
             thinking={thinking}"
         );
         deliver(&place, &words).succeeded().json()["metrics"]["sim_seconds"]
@@ -297,7 +304,9 @@ fn a_reader_that_thinks_long_makes_the_robot_slow_not_stuck() {
         std::thread::sleep(std::time::Duration::from_millis(1700));
         says(UNIT_1)
     });
-    let words = format!("--deliveries one.txt --json --set reader={reader} --set thinking=charged");
+    let words = format!(
+        "--deliveries one.txt --targets planner --json --set reader={reader} --set thinking=charged"
+    );
     let results = deliver(&place, &words).succeeded().json();
     assert_eq!(results["deliveries"][0]["success_2m"], true, "{results}");
     let (calls, taken) = (

@@ -7,11 +7,16 @@ use common::town::{DOORS, NOBODY, deliver, prison, town, world};
 use common::{Place, Ran};
 use serde_json::Value;
 
-/// One delivery in the town with a reader.
+/// One delivery in the town with a reader. Without a truth the grammar says which door is meant.
 fn one(place: &Place, reader: &str, more: &str) -> Ran {
+    let targets = if more.contains("--truth") {
+        ""
+    } else {
+        "--targets planner"
+    };
     deliver(
         place,
-        &format!("--deliveries one.txt --set reader={reader} {more}"),
+        &format!("--deliveries one.txt {targets} --set reader={reader} {more}"),
     )
 }
 
@@ -253,13 +258,38 @@ fn an_instruction_that_is_no_instruction_fails_as_not_understood() {
 }
 
 #[test]
-fn where_a_planner_is_out_of_reach_the_grammar_plans() {
-    let ran = one(
-        &town(),
-        &reader_that_says(UNIT_1),
-        &format!("--json --set planner={NOBODY}"),
+fn a_planner_out_of_reach_ends_the_run_with_its_address() {
+    let more = format!("--json --set planner={NOBODY}");
+    let ran = one(&town(), &reader_that_says(UNIT_1), &more);
+    assert_eq!((ran.code, ran.stdout.as_str()), (1, ""), "{}", ran.stderr);
+    for part in ["127.0.0.1:9", "planner=MODEL,grammar"] {
+        assert!(ran.stderr.contains(part), "{part}: {}", ran.stderr);
+    }
+}
+
+#[test]
+fn a_listed_fallback_plans_where_the_planner_is_out_of_reach_and_is_named() {
+    let place = town();
+    place.file("gt.txt", "(8.2, 0.0)\n");
+    let more = format!("--truth gt.txt --set planner={NOBODY},grammar");
+    let reader = reader_that_says(UNIT_1);
+    let results = one(&place, &reader, &format!("{more} --json"));
+    assert_eq!(only_delivery(&results)["failure"], Value::Null);
+    let results = results.json();
+    let metrics = &results["metrics"];
+    // The delivery succeeded, but not by the planner that was asked.
+    assert_eq!(
+        (&metrics["srtp"], &metrics["srtp_with_fallback"]),
+        (&0.0.into(), &1.0.into()),
+        "{metrics}"
     );
-    assert_eq!(only_delivery(&ran)["failure"], Value::Null);
+    assert_eq!(results["episodes"][0]["fallbacks"][0]["from"], "grammar");
+    assert!(results["deliveries"][0]["model_calls_failed"].as_u64() > Some(0));
+    let table = one(&place, &reader, &more).succeeded().stdout.clone();
+    assert!(
+        table.contains("another planner made a part of the plan in 1 of 1 episode (0)"),
+        "{table}"
+    );
 }
 
 #[test]
@@ -268,9 +298,9 @@ fn a_planner_out_of_reach_fails_what_the_grammar_does_not_understand_with_its_ad
     place
         .file("one.txt", "The weather is fine today.\n")
         .file("gt.txt", "(8.2, 0.0)\n");
-    let more = format!("--json --truth gt.txt --set planner={NOBODY}");
+    let more = format!("--json --truth gt.txt --set planner={NOBODY},grammar");
     let delivery = only_delivery(&one(&place, NOBODY, &more));
-    assert_eq!(delivery["failure"], "planner_unavailable", "{delivery}");
+    assert_eq!(delivery["failure"], "not_understood", "{delivery}");
     assert!(
         delivery["failure_detail"]
             .as_str()
@@ -278,6 +308,42 @@ fn a_planner_out_of_reach_fails_what_the_grammar_does_not_understand_with_its_ad
             .contains("127.0.0.1:9"),
         "{delivery}"
     );
+}
+
+#[test]
+fn the_judge_expects_the_door_at_the_true_position_whatever_a_planner_reads() {
+    let place = town();
+    // The grammar reads unit 1 of building 1, where the parcel does not belong.
+    place.file("gt.txt", "(0.0, 12.2)\n");
+    let results = one(&place, &reader_that_says(UNIT_1), "--json --truth gt.txt")
+        .succeeded()
+        .json();
+    let delivery = &results["deliveries"][0];
+    assert_eq!(
+        (&delivery["building"], &delivery["success_10m"]),
+        (&"building2".into(), &false.into()),
+        "{delivery}"
+    );
+    assert_eq!(
+        (&results["targets"], &results["metrics"]["srtp"]),
+        (&"positions".into(), &0.0.into())
+    );
+}
+
+#[test]
+fn annotations_say_which_doors_are_meant() {
+    let place = town();
+    place.file(
+        "one.jsonl",
+        r#"{"instruction": "Bring this parcel to unit1, building1.",
+            "deliveries": [{"building": "building1", "unit": "unit1"}]}"#
+            .replace('\n', " "),
+    );
+    let reader = reader_that_says(UNIT_1);
+    let words = format!("--deliveries one.jsonl --json --set reader={reader}");
+    let results = deliver(&place, &words).succeeded().json();
+    assert_eq!(results["targets"], "annotation");
+    assert_eq!(results["metrics"]["sr_2m"], 1.0, "{results}");
 }
 
 #[test]
@@ -398,7 +464,10 @@ fn the_default_reader_finds_a_door_of_the_town() {
         common::skipped("the model files of ppocr-v4 are not here");
         return;
     }
-    let delivery = only_delivery(&deliver(&place, "--deliveries one.txt --json"));
+    let delivery = only_delivery(&deliver(
+        &place,
+        "--deliveries one.txt --targets planner --json",
+    ));
     assert_eq!(
         (&delivery["success_2m"], &delivery["failure"]),
         (&true.into(), &Value::Null),

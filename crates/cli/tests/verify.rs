@@ -15,7 +15,7 @@ fn a_run() -> Place {
         "To unit1, building1.\nA box to unit1, building1.\n",
     );
     let words = format!(
-        "--deliveries one.txt --out run --record none --set reader={}",
+        "--deliveries one.txt --targets planner --out run --record none --set reader={}",
         reader_that_says(UNIT_1)
     );
     deliver(&place, &words).succeeded();
@@ -49,7 +49,8 @@ fn a_run_among_people_repeats_to_the_bit_on_any_number_of_threads() {
     let reader = reader_that_says(UNIT_1);
     let run = |out: &str, jobs: u32| {
         let words = format!(
-            "--deliveries one.txt --pedestrians 6 --seed 5 --jobs {jobs} --out {out} --json --set \
+            "--deliveries one.txt --targets planner \
+             --pedestrians 6 --seed 5 --jobs {jobs} --out {out} --json --set \
             reader={reader}"
         );
         let mut results = deliver(&place, &words).succeeded().json();
@@ -152,7 +153,8 @@ fn an_agent_repeats_what_it_did_without_its_models() {
     // before.
     let reader = endpoint(|number, _| says(if number < 3 { NOTHING } else { UNIT_1 }));
     let words = format!(
-        "--deliveries one.txt --out run --set planner={planner} --set reader={reader} --set \
+        "--deliveries one.txt --targets planner \
+         --out run --set planner={planner} --set reader={reader} --set \
         thinking=charged"
     );
     deliver(&place, &words).succeeded();
@@ -191,7 +193,7 @@ fn an_agent_whose_readers_stand_in_for_each_other_repeats() {
     let sure = reader_that_says(UNIT_1);
     deliver(
         &place,
-        &format!("--deliveries one.txt --out run --set reader={fickle},{sure}"),
+        &format!("--deliveries one.txt --targets planner --out run --set reader={fickle},{sure}"),
     )
     .succeeded();
     place.openbench("verify run --agent").succeeded();
@@ -204,7 +206,7 @@ fn a_run_whose_answers_are_gone_is_not_asked_again() {
     let reader = reader_that_says(UNIT_1);
     deliver(
         &place,
-        &format!("--deliveries one.txt --out run --set reader={reader}"),
+        &format!("--deliveries one.txt --targets planner --out run --set reader={reader}"),
     )
     .succeeded();
     std::fs::remove_file(place.path("run/episodes/000.models.jsonl")).unwrap();
@@ -222,19 +224,21 @@ fn what_a_run_is_to_read_is_not_cleared_by_it() {
     let reader = reader_that_says(UNIT_1);
     deliver(
         &place,
-        &format!("--deliveries one.txt --out run --set reader={reader}"),
+        &format!("--deliveries one.txt --targets planner --out run --set reader={reader}"),
     )
     .succeeded();
     let answers = "run/episodes/000.models.jsonl";
     deliver(
         &place,
-        &format!("--deliveries one.txt --out run --set reader=replay:{answers}"),
+        &format!("--deliveries one.txt --targets planner --out run --set reader=replay:{answers}"),
     )
     .refused_with(&["is cleared", "--out"]);
     assert!(place.path(answers).exists());
     deliver(
         &place,
-        &format!("--deliveries one.txt --out again --set reader=replay:{answers}"),
+        &format!(
+            "--deliveries one.txt --targets planner --out again --set reader=replay:{answers}"
+        ),
     )
     .succeeded();
     place.openbench("verify again --agent").succeeded();
@@ -245,8 +249,10 @@ fn a_run_with_a_memory_repeats() {
     let place = town();
     let reader = reader_that_says(UNIT_1);
     for _ in 0..2 {
-        let words =
-            format!("--deliveries one.txt --out run --memory doors.osm --set reader={reader}");
+        let words = format!(
+            "--deliveries one.txt --targets planner \
+             --out run --memory doors.osm --set reader={reader}"
+        );
         deliver(&place, &words).succeeded();
     }
     place.openbench("verify run --agent").succeeded();

@@ -86,8 +86,8 @@ pub struct Briefing {
     pub start: Pose2,
     /// Sizes, sensors and limits of the robot.
     pub robot: RobotDescription,
-    /// Simulated time after which the episode has certainly ended. The exact limit is up to ten
-    /// minutes earlier. Agents do not get it, since it depends on the distance to the door.
+    /// Simulated time that a delivery may take at most. It follows from the public map alone. The
+    /// judge's limit may be shorter: it depends on the doors, so agents do not get it.
     pub time_limit: Duration,
 }
 
@@ -165,8 +165,8 @@ pub enum Action {
     /// The address must be one of the instruction, unit included. Another one fails the first
     /// delivery that is still open. A second declaration of the same address has no effect.
     Delivered(Address),
-    /// Gives up a delivery, or all that are left. An address that is not in the instruction has no
-    /// effect.
+    /// Gives up a delivery, or all that are left. An address that is not in the instruction ends no
+    /// delivery, but its cause is that of a target that the agent never mentions.
     GiveUp(GiveUp),
 }
 

@@ -32,4 +32,18 @@ impl ModelUse {
             latency_ms: self.latency_ms.saturating_add(other.latency_ms),
         }
     }
+
+    /// What was used since `earlier`.
+    #[must_use]
+    pub fn since(self, earlier: Self) -> Self {
+        Self {
+            calls: self.calls.saturating_sub(earlier.calls),
+            failed: self.failed.saturating_sub(earlier.failed),
+            prompt_tokens: self.prompt_tokens.saturating_sub(earlier.prompt_tokens),
+            completion_tokens: self
+                .completion_tokens
+                .saturating_sub(earlier.completion_tokens),
+            latency_ms: self.latency_ms.saturating_sub(earlier.latency_ms),
+        }
+    }
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
-use openbench_core::{Address, MapPoint};
+use openbench_core::{Address, MapPoint, Pose2};
 use openbench_geometry::Bounds;
 
 use crate::material::{Material, MaterialId, SemanticClass, Texture, TextureId};
@@ -69,7 +69,7 @@ pub struct SolidMesh {
     pub classes: Vec<SemanticClass>,
 }
 
-/// A door, known by the plate beside or above it.
+/// A door with its plate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Door {
     /// Building and unit.
@@ -80,12 +80,21 @@ pub struct Door {
     pub plate: [f64; 3],
     /// Direction that the plate faces: radians, counter-clockwise from east.
     pub facing: f64,
+    /// Middle of the door in its wall, and the direction out of the wall; `None` in imported
+    /// worlds, which have plates only.
+    pub doorway: Option<Pose2>,
 }
 
 impl Door {
     /// The point on the ground below the plate.
     pub fn point(&self) -> MapPoint {
         MapPoint::new(self.plate[0], self.plate[1])
+    }
+
+    /// Where one goes in, and the direction out: the doorway, or the plate if only that is known.
+    pub fn entrance(&self) -> Pose2 {
+        let plate = Pose2::new(self.plate[0], self.plate[1], self.facing);
+        self.doorway.unwrap_or(plate)
     }
 }
 

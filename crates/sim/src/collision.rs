@@ -1,7 +1,12 @@
 //! Collisions, made of contacts that follow each other.
 
+use std::collections::BTreeMap;
+use std::time::Duration;
+
 use openbench_core::{Pose2, SimTime};
 use openbench_scene::SemanticClass;
+
+use crate::clock::STEP_NS;
 
 /// A collision: a contact after half a second or more without one with the same class.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +41,8 @@ pub(crate) struct ContactHistory {
 struct LastContact {
     class: SemanticClass,
     time: SimTime,
+    /// Number of contacts: steps of the physics in which the class was touched.
+    steps: u64,
 }
 
 impl ContactHistory {
@@ -46,13 +53,27 @@ impl ContactHistory {
                 // Every contact renews the time, so a robot that scrapes along a wall collides with
                 // it once.
                 let before = std::mem::replace(&mut contact.time, now);
+                contact.steps += 1;
                 now.0 - before.0 > SAME_COLLISION_NS
             }
             None => {
-                self.last.push(LastContact { class, time: now });
+                self.last.push(LastContact {
+                    class,
+                    time: now,
+                    steps: 1,
+                });
                 true
             }
         }
+    }
+
+    /// The time in contact with each class, by class.
+    pub(crate) fn durations(&self) -> BTreeMap<SemanticClass, Duration> {
+        let duration = |contact: &LastContact| {
+            let time = Duration::from_nanos(contact.steps * STEP_NS);
+            (contact.class, time)
+        };
+        self.last.iter().map(duration).collect()
     }
 }
 
@@ -69,5 +90,8 @@ mod tests {
         assert!(!begins(SemanticClass::Wall, 400) && !begins(SemanticClass::Wall, 900));
         assert!(begins(SemanticClass::Kerb, 900), "another class");
         assert!(begins(SemanticClass::Wall, 1401));
+        // Every contact lasts for a step of 2.5 ms.
+        let walls = history.durations()[&SemanticClass::Wall];
+        assert_eq!(walls, Duration::from_millis(10));
     }
 }

@@ -1,6 +1,8 @@
 //! The robot in a world, in lock-step.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Duration;
 
 use openbench_core::{
     GnssFix, ImuSample, LidarScan, Observation, Pose2, Pose3, RobotDescription, SimTime, Velocity,
@@ -221,6 +223,11 @@ impl Simulator {
     /// Every collision so far.
     pub fn collisions(&self) -> &[Collision] {
         &self.collisions
+    }
+
+    /// The time that the robot has been in contact with each class of objects so far.
+    pub fn contact_durations(&self) -> BTreeMap<SemanticClass, Duration> {
+        self.contacts.durations()
     }
 
     /// Hash over all states and sensor data so far.

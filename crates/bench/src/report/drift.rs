@@ -2,6 +2,10 @@
 
 use std::fmt::Write;
 
+use openbench_core::Health;
+
+use super::html::escape;
+use crate::score::health::health_spans;
 use crate::score::metrics::localization::localization;
 use crate::trace::PoseError;
 
@@ -56,6 +60,21 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
             HEIGHT_PX - 5.0
         );
     }
+    for span in health_spans(&errors) {
+        if span.health == Health::Good {
+            continue;
+        }
+        let (from, to) = (x(span.from_s), x(span.to_s));
+        let _ = writeln!(
+            out,
+            "<rect class=\"doubt\" x=\"{from:.1}\" y=\"10\" width=\"{:.1}\" height=\"{:.1}\">\
+             <title>{}</title></rect>",
+            // A single pose would not be seen.
+            (to - from).max(1.0),
+            HEIGHT_PX - BOTTOM_PX - 10.0,
+            escape(&span.health.to_string()),
+        );
+    }
     let mut line = String::new();
     // The maximum of each stretch, not a sample of it: thinning must not hide a peak.
     for stretch in errors.chunks(errors.len().div_ceil(MAX_POINTS)) {
@@ -72,12 +91,29 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
     let _ = writeln!(
         out,
         "<p class=\"note\">Distance between the estimated and the true position: {} RMS, \
-         95 % within {}, maximum {}; maximum heading error {:.2}°.</p>",
+         95 % within {}, maximum {}; maximum heading error {:.2}°. {}</p>",
         metres(sum.rmse_m),
         metres(sum.p95_m),
         metres(sum.max_m),
         sum.max_yaw_rad.to_degrees(),
+        health_note(&errors, sum.silent_divergences),
     );
+}
+
+/// What the agent reported about its pose, in words.
+fn health_note(errors: &[PoseError], silent_divergences: usize) -> String {
+    let doubted = errors.iter().any(|error| error.health != Health::Good);
+    let shaded = if doubted {
+        "Shaded: the agent did not trust its pose. "
+    } else {
+        ""
+    };
+    let silent = if silent_divergences > 0 {
+        "<b class=\"bad\">The agent reported good health with an error above 1 m.</b>"
+    } else {
+        ""
+    };
+    format!("{shaded}{silent}")
 }
 
 /// The smallest of 1, 2, 5 or 10 times a power of ten that is not below `metres`.
@@ -104,7 +140,7 @@ fn metres(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use openbench_core::{Health, Pose2, PoseEstimate, SimTime};
+    use openbench_core::{Pose2, PoseEstimate, SimTime};
 
     fn errors(count: u64, metres: f64) -> Vec<PoseError> {
         let estimated = |i: u64| Pose2::new(metres * i as f64 / count as f64, 0.0, 0.0);

@@ -33,6 +33,40 @@ pub(super) fn strict(metrics: &Metrics) -> [Headline; 4] {
     ]
 }
 
+/// What is reported beside: deliveries in sequences, success without contacts, right doors.
+pub(super) fn beside(metrics: &Metrics) -> Vec<Headline> {
+    let all = [
+        headline("clean SR", "sr_clean", metrics.sr_clean),
+        headline("right door", "correct_unit", metrics.correct_unit),
+        headline("SRTP", "srtp", metrics.srtp),
+        // Shown only where it says more than SRTP.
+        headline(
+            "with fallbacks",
+            "srtp_with_fallback",
+            metrics
+                .srtp_with_fallback
+                .filter(|_| metrics.srtp_with_fallback != metrics.srtp),
+        ),
+    ];
+    present(all)
+}
+
+/// The metrics of the deliveries in sequences, by both criteria.
+pub(super) fn members(metrics: &Metrics) -> Vec<Headline> {
+    present([
+        headline("SR paper", "member_sr_10m", metrics.member_sr_10m),
+        headline("SR strict", "member_sr_2m", metrics.member_sr_2m),
+        headline("SPL strict", "member_spl", metrics.member_spl),
+        headline("clean SR", "member_sr_clean", metrics.member_sr_clean),
+    ])
+}
+
+/// Those that have a value.
+fn present<const N: usize>(all: [Headline; N]) -> Vec<Headline> {
+    let has_value = |metric: &Headline| metric.value.is_some();
+    all.into_iter().filter(has_value).collect()
+}
+
 fn headline(label: &'static str, key: &'static str, value: Option<f64>) -> Headline {
     Headline { label, key, value }
 }

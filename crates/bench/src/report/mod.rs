@@ -27,7 +27,11 @@ mod tiles;
 
 use std::fmt::Write;
 
+use openbench_core::{Fallback, PlanPart};
+
 use crate::plural::count;
+use crate::score::departures::departures;
+use crate::score::results::{EpisodeResult, Results};
 pub use from_run::report_input;
 use html::escape;
 pub use input::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
@@ -48,6 +52,7 @@ pub fn render(input: &ReportInput<'_>) -> String {
          <title>{title} · OpenBench</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n"
     );
     header(&mut out, input);
+    notes(&mut out, results);
     tiles::render(&mut out, results);
     table::render(&mut out, results);
     out.push_str("<section>\n<h2>Episodes</h2>\n");
@@ -76,6 +81,19 @@ fn header(out: &mut String, input: &ReportInput<'_>) {
     );
 }
 
+/// What the reader has to know before any number.
+fn notes(out: &mut String, results: &Results) {
+    let departures = departures(results);
+    if departures.is_empty() {
+        return;
+    }
+    out.push_str("<section class=\"departures\">\n<h2>Not as by default</h2>\n<ul>\n");
+    for line in departures {
+        let _ = writeln!(out, "<li>{}</li>", escape(&line));
+    }
+    out.push_str("</ul>\n</section>\n");
+}
+
 fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeReport) {
     let deliveries: Vec<_> = input
         .results
@@ -95,6 +113,9 @@ fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeRe
         escape(instruction),
     );
     plan(out, episode);
+    if let Some(result) = input.results.episodes.get(episode.episode) {
+        fallbacks(out, result);
+    }
     if let Some(world) = input.worlds.get(episode.world) {
         map::render(out, world, episode);
     }
@@ -123,6 +144,27 @@ fn plan(out: &mut String, episode: &EpisodeReport) {
         );
     }
     out.push_str("</p>\n");
+}
+
+/// The parts of the plan that another planner made, and why.
+fn fallbacks(out: &mut String, episode: &EpisodeResult) {
+    for Fallback {
+        part,
+        from,
+        because,
+    } in &episode.fallbacks
+    {
+        let part = match part {
+            PlanPart::Addresses => "doors",
+            PlanPart::Order => "order",
+        };
+        let _ = writeln!(
+            out,
+            "<p class=\"plan bad\">The {part} are by the planner {}: {}</p>",
+            escape(from),
+            escape(because)
+        );
+    }
 }
 
 fn reproduction(out: &mut String, input: &ReportInput<'_>) {

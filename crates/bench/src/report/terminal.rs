@@ -2,9 +2,12 @@
 
 use std::fmt::Write;
 
+use openbench_core::Health;
+
 use super::headline::{self, Headline};
 use super::html::{number, percent};
-use crate::plural::count;
+use crate::plural::{count, plural};
+use crate::score::departures::departures;
 use crate::score::results::{DeliveryResult, Metrics, Results};
 
 /// Width of the address, columns of the terminal.
@@ -17,12 +20,20 @@ const FAILURE_COLUMNS: usize = 19;
 /// The columns 10 m and 2 m say whether the delivery succeeded by the paper's and by the strict
 /// criterion; unit, whether no other door's approach point was nearer.
 pub fn terminal_table(results: &Results) -> String {
-    let mut out = heading();
+    let mut out = String::new();
+    for departure in departures(results) {
+        let _ = writeln!(out, "note     {departure}");
+    }
+    if !out.is_empty() {
+        out.push('\n');
+    }
+    out += &heading();
     for delivery in &results.deliveries {
         row(&mut out, delivery);
     }
     out.push('\n');
     summary(&mut out, &results.metrics);
+    health(&mut out, results);
     if let Some(doors) = results.doors {
         let _ = writeln!(out, "doors    {}", doors.describe());
     }
@@ -83,36 +94,32 @@ fn row(out: &mut String, d: &DeliveryResult) {
 }
 
 /// A rate in percent with its interval, or a dash.
-fn rate(m: &Metrics, key: &str, value: Option<f64>) -> String {
+fn rate(m: &Metrics, Headline { key, value, .. }: Headline) -> String {
     let Some(value) = value else {
         return "–".to_owned();
     };
-    let interval = m
-        .intervals
-        .get(key)
-        .map(|[low, high]| format!(" [{:.0}-{:.0}]", low * 100.0, high * 100.0));
+    let interval = m.intervals.get(key).copied().flatten();
+    let interval = interval.map(|[low, high]| format!(" [{:.0}-{:.0}]", low * 100.0, high * 100.0));
     format!("{} %{}", percent(value), interval.unwrap_or_default())
 }
 
-/// A line with the metrics of one criterion.
-fn rates(out: &mut String, m: &Metrics, name: &str, metrics: [Headline; 4]) {
-    let columns = metrics.map(|Headline { label, key, value }| {
-        let rate = pad(&rate(m, key, value), 16);
-        format!("  {label} {rate}")
-    });
-    let line = format!("{name:<7}{}", columns.concat());
-    let _ = writeln!(out, "{}", line.trim_end());
+/// A line with some metrics, in columns; none without metrics.
+fn rates(out: &mut String, m: &Metrics, name: &str, metrics: &[Headline]) {
+    if metrics.is_empty() {
+        return;
+    }
+    let columns: String = metrics
+        .iter()
+        .map(|metric| format!("  {} {}", metric.label, pad(&rate(m, *metric), 16)))
+        .collect();
+    let _ = writeln!(out, "{}", format!("{name:<7}{columns}").trim_end());
 }
 
 fn summary(out: &mut String, m: &Metrics) {
-    rates(out, m, "paper", headline::paper(m));
-    rates(out, m, "strict", headline::strict(m));
-    let unit = rate(m, "correct_unit", m.correct_unit);
-    let srtp = m
-        .srtp
-        .map(|_| format!("   SRTP {}", rate(m, "srtp", m.srtp)))
-        .unwrap_or_default();
-    let _ = writeln!(out, "unit     {unit}{srtp}");
+    rates(out, m, "paper", &headline::paper(m));
+    rates(out, m, "strict", &headline::strict(m));
+    rates(out, m, "member", &headline::members(m));
+    rates(out, m, "also", &headline::beside(m));
     if let Some(sum) = m.localization {
         let _ = writeln!(
             out,
@@ -127,11 +134,48 @@ fn summary(out: &mut String, m: &Metrics) {
         m.path_m,
         m.sim_seconds,
         m.real_time_factor,
-        count(m.collisions, "collision", "collisions")
+        collisions(m)
     );
     let _ = writeln!(out, "motion   {}", m.smoothness.describe(m.path_m));
     if let Some(encounters) = m.encounters {
         let _ = writeln!(out, "traffic  {}", encounters.describe());
+    }
+}
+
+/// Seconds that the agent did not trust its pose, and the episodes in which it trusted a wrong one.
+fn health(out: &mut String, results: &Results) {
+    let spans = results.episodes.iter().flat_map(|e| &e.health);
+    // Folded from +0, since the `sum()` of nothing is -0.
+    let doubtful = spans
+        .filter(|span| span.health != Health::Good)
+        .fold(0.0, |all, span| all + (span.to_s - span.from_s));
+    if doubtful > 0.0 {
+        let _ = writeln!(out, "health   {doubtful:.1} s degraded or lost");
+    }
+    let silent = results.episodes.iter().filter(|episode| {
+        episode
+            .localization
+            .is_some_and(|sum| sum.silent_divergences > 0)
+    });
+    let silent: Vec<String> = silent.map(|e| e.episode.to_string()).collect();
+    if !silent.is_empty() {
+        let _ = writeln!(
+            out,
+            "warning  the pose was wrong by more than 1 m while the agent reported good health, \
+             in {} {}",
+            plural(silent.len(), "episode", "episodes"),
+            silent.join(", ")
+        );
+    }
+}
+
+/// Number of collisions, and the time in contact if there was any.
+fn collisions(m: &Metrics) -> String {
+    let events = count(m.collisions, "collision", "collisions");
+    if m.contact_s > 0.0 {
+        format!("{events} ({:.1} s in contact)", m.contact_s)
+    } else {
+        events
     }
 }
 
@@ -197,7 +241,7 @@ mod tests {
         }
         assert!(table.contains("  0.0  unit1, building3"), "{table}");
         assert!(table.contains("planner unavailable"), "{table}");
-        assert!(table.contains("strict   SR 50.0 % [9-91]"), "{table}");
+        assert!(table.contains("strict   SR 50.0 %"), "{table}");
     }
 
     #[test]

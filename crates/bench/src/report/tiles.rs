@@ -36,7 +36,12 @@ fn reading(out: &mut String, metrics: &Metrics, name: &str, definition: &str, ti
          <span>{definition}</span></p>\n<div class=\"tiles\">\n"
     );
     for Headline { label, key, value } in tiles {
-        tile(out, label, *value, metrics.intervals.get(*key));
+        tile(
+            out,
+            label,
+            *value,
+            metrics.intervals.get(*key).copied().flatten().as_ref(),
+        );
     }
     out.push_str("</div>\n</div>\n");
 }
@@ -54,8 +59,9 @@ fn tile(out: &mut String, label: &str, value: Option<f64>, interval: Option<&[f6
     let words = match (value, interval) {
         (Some(_), Some([low, high])) => format!("{:.0} to {:.0} %", low * 100.0, high * 100.0),
         (Some(_), None) => "no interval".to_owned(),
-        // Where there are deliveries, only LSR and LSPL can lack a value: they need sequences.
-        (None, _) => "no sequences".to_owned(),
+        // SR and SPL need single deliveries, LSR and LSPL sequences.
+        (None, _) if label.starts_with('L') => "no sequences".to_owned(),
+        (None, _) => "no single deliveries".to_owned(),
     };
     let _ = writeln!(out, "<span class=\"interval\">{words}</span></div>");
 }
@@ -88,28 +94,38 @@ fn interval_bar(value: Option<f64>, interval: Option<&[f64; 2]>) -> String {
 
 fn facts(out: &mut String, results: &Results) {
     let m = &results.metrics;
-    let rate = |v: Option<f64>| v.map_or("–".to_owned(), |v| format!("{} %", percent(v)));
-    let mut facts = vec![("Correct unit", rate(m.correct_unit))];
-    if m.srtp.is_some() {
-        facts.push(("SRTP", rate(m.srtp)));
+    let mut facts = Vec::new();
+    for (group, metrics) in [
+        ("", headline::beside(m)),
+        ("In sequences: ", headline::members(m)),
+    ] {
+        for Headline { label, value, .. } in metrics {
+            let rate = value.map_or("–".to_owned(), |v| format!("{} %", percent(v)));
+            facts.push((format!("{group}{label}"), rate));
+        }
     }
-    facts.push(("Collisions", collisions(m)));
+    facts.push(("Collisions".to_owned(), collisions(m)));
     if let Some(encounters) = m.encounters {
-        facts.push(("People and cars", encounters.describe()));
+        facts.push(("People and cars".to_owned(), encounters.describe()));
     }
-    facts.push(("Driven", format!("{:.0} m", m.path_m)));
-    facts.push(("Smoothness", m.smoothness.describe(m.path_m)));
-    facts.push(("Simulated", duration(m.sim_seconds)));
+    facts.push(("Driven".to_owned(), format!("{:.0} m", m.path_m)));
+    facts.push(("Smoothness".to_owned(), m.smoothness.describe(m.path_m)));
+    facts.push(("Simulated".to_owned(), duration(m.sim_seconds)));
     facts.push((
-        "Real-time factor",
+        "Real-time factor".to_owned(),
         format!("{} ×", number(Some(m.real_time_factor), 1)),
     ));
     if let Some(doors) = results.doors {
-        facts.push(("Doors on the map", doors.describe()));
+        facts.push(("Doors on the map".to_owned(), doors.describe()));
     }
     out.push_str("<dl class=\"counts\">\n");
     for (name, value) in facts {
-        let _ = writeln!(out, "<div><dt>{name}</dt><dd>{}</dd></div>", escape(&value));
+        let _ = writeln!(
+            out,
+            "<div><dt>{}</dt><dd>{}</dd></div>",
+            escape(&name),
+            escape(&value)
+        );
     }
     out.push_str("</dl>\n");
 }

@@ -1,11 +1,13 @@
 //! All episodes of a suite, on several threads; the results do not depend on their number.
 
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
-use openbench_core::Agent;
+use openbench_core::{Agent, FailureCause};
 use openbench_models::Exchanges;
+use sha2::{Digest, Sha256};
 
 use crate::BenchError;
 use crate::run::episode::run_episode;
@@ -38,7 +40,12 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     }
     // CPU time of the whole process: plate readers may have threads of their own.
     let cpu = ProcessTime::now();
-    let traces = for_each_episode(request, |number| run_one(request, number))?;
+    let reached = AtomicBool::new(false);
+    let traces = for_each_episode(request, |number| {
+        let trace = run_one(request, number)?;
+        check_reached(&trace, number, &reached)?;
+        Ok(trace)
+    })?;
     let times = MachineTimes {
         wall_seconds: began.elapsed().as_secs_f64(),
         cpu_seconds: cpu.elapsed().as_secs_f64(),
@@ -72,6 +79,16 @@ fn episode_seed(seed: u64, number: usize) -> u64 {
         .wrapping_add(number as u64)
 }
 
+/// The seed of an agent in the episode with this seed: an agent that knew the simulator's could
+/// draw its noise beforehand.
+fn agent_seed(episode: u64) -> u64 {
+    let mut hasher = Sha256::new();
+    hasher.update(b"agent");
+    hasher.update(episode.to_le_bytes());
+    let digest = hasher.finalize();
+    u64::from_le_bytes(std::array::from_fn(|i| digest[i]))
+}
+
 fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, BenchError> {
     let exchanges = request.out.map_or(Exchanges::Unkept, |out| {
         Exchanges::Keep(exchanges_path(out, number))
@@ -92,6 +109,32 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
         Recording::of(&trace, episode_seed(request.seed, number)).write(out, number)?;
     }
     Ok(trace)
+}
+
+/// Ends a run whose planner asks a model that has never answered: all its deliveries would fail for
+/// a reason that says nothing about the model. `reached` says whether one has answered so far.
+fn check_reached(
+    trace: &EpisodeTrace,
+    episode: usize,
+    reached: &AtomicBool,
+) -> Result<(), BenchError> {
+    // Relaxed suffices: the flag alone is shared, and it only ever rises.
+    if trace.models.calls > trace.models.failed {
+        reached.store(true, Ordering::Relaxed);
+    }
+    let gave_up = trace.tasks.iter().find_map(|task| {
+        let failure = task.failure.as_ref()?;
+        (failure.cause == FailureCause::PlannerUnavailable).then_some(failure)
+    });
+    match gave_up {
+        Some(failure) if trace.models.failed > 0 && !reached.load(Ordering::Relaxed) => {
+            Err(BenchError::Unreachable {
+                episode,
+                detail: failure.detail.clone(),
+            })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Runs the agent of a recorded run again with the recorded answers of its models, and compares its
@@ -129,7 +172,7 @@ fn make(request: &RunRequest<'_>, number: usize, exchanges: Exchanges) -> Result
         truth: requested_truth(request.factory, request.settings, &truth),
         memory: request.memory,
         settings: request.settings,
-        seed: episode_seed(request.seed, number),
+        seed: agent_seed(episode_seed(request.seed, number)),
         exchanges,
     };
     let made = request.factory.make(&agent_request);
@@ -169,10 +212,11 @@ fn requested_truth(
 
 #[cfg(test)]
 mod tests {
-    use openbench_core::{Pose2, SimTime};
+    use openbench_core::{ModelUse, Pose2, SimTime};
 
     use super::*;
     use crate::run::registry::AgentError;
+    use crate::trace::{Failure, TaskOutcome};
 
     /// Uses the truth where `pose=true`.
     struct Cheat;
@@ -185,6 +229,35 @@ mod tests {
         fn uses_truth(&self, settings: &AgentSettings) -> bool {
             settings.get("pose").is_some_and(|value| value == "true")
         }
+    }
+
+    /// An episode whose planner got no answer to some of its questions.
+    fn unanswered(calls: u32, failed: u32) -> EpisodeTrace {
+        let failure = Failure {
+            cause: FailureCause::PlannerUnavailable,
+            detail: "connection refused".into(),
+        };
+        EpisodeTrace {
+            tasks: vec![TaskOutcome::failed(0, failure)],
+            models: ModelUse {
+                calls,
+                failed,
+                ..ModelUse::default()
+            },
+            ..EpisodeTrace::default()
+        }
+    }
+
+    #[test]
+    fn a_run_ends_if_its_model_has_never_answered() {
+        let reached = AtomicBool::new(false);
+        let error = check_reached(&unanswered(1, 1), 3, &reached).unwrap_err();
+        assert!(error.to_string().contains("connection refused"), "{error}");
+        // A planner that asks no model, and one whose model answered nonsense, fail deliveries.
+        assert!(check_reached(&unanswered(0, 0), 3, &reached).is_ok());
+        assert!(check_reached(&unanswered(2, 0), 3, &reached).is_ok());
+        // Once it has answered, a silence fails a delivery only.
+        assert!(check_reached(&unanswered(1, 1), 4, &reached).is_ok());
     }
 
     #[test]

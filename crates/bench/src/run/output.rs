@@ -7,8 +7,9 @@ use super::request::RunRequest;
 use crate::score::deliveries;
 use crate::score::metrics::localization::localization;
 use crate::score::metrics::{ErrorCounts, RunTotals, summarize};
-use crate::score::results::Results;
+use crate::score::results::{MemoryUse, Results};
 use crate::trace::EpisodeTrace;
+use crate::worlds::Prepared;
 
 /// The output of a run.
 #[derive(Debug)]
@@ -65,12 +66,24 @@ fn results(request: &RunRequest<'_>, traces: &[EpisodeTrace], times: MachineTime
         seed: request.seed,
         version: env!("CARGO_PKG_VERSION").to_owned(),
         settings: request.settings.clone(),
+        targets: prepared.target_source(),
         traffic: prepared.suite.traffic,
+        sensors: prepared.suite.sensors,
+        memory: request.memory.map(|memory| memory_use(prepared, memory)),
         metrics: summarize(&deliveries, &totals),
+        episodes: deliveries::score_episodes(prepared, traces),
         deliveries,
         models: Some(model_use(traces)).filter(|used| used.calls > 0),
         doors: deliveries::score_written_doors(prepared, traces),
         attribution: prepared.world.attribution.clone(),
+    }
+}
+
+/// What a memory adds to the public map.
+fn memory_use(prepared: &Prepared, memory: &OsmData) -> MemoryUse {
+    let mut merged = prepared.world.map.clone();
+    MemoryUse {
+        doors: merge_entrances(&mut merged, memory),
     }
 }
 

@@ -4,12 +4,14 @@
 //! actions: the runner takes them from an [`Agent`](openbench_core::Agent), `verify` from a
 //! recording. A recorder or a live view is an [`Observer`].
 
+use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
 use openbench_core::{
-    Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, MapPoint, Observation, Pose2,
-    SimTime, Velocity,
+    Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, MapPoint, ModelUse, Observation,
+    Pose2, SimTime, Velocity,
 };
+use openbench_scene::SemanticClass;
 use openbench_sim::traffic::Encounters;
 use openbench_sim::{OBSERVATION_NS, Simulator};
 
@@ -24,9 +26,6 @@ use crate::worlds::{Prepared, PreparedEpisode};
 const MAX_FRAMES: usize = 6;
 /// Time between two true positions of [`EpisodeTrace::driven`].
 const DRIVEN_PERIOD_NS: u64 = 200_000_000;
-/// The briefing states the time limit rounded up to a multiple of this. The exact limit would
-/// reveal the distance to the door.
-const STATED_LIMIT_STEP_S: u64 = 600;
 
 /// Whether an episode is still running.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,6 +67,9 @@ pub struct Rollout<'o> {
     observers: Vec<Box<dyn Observer + 'o>>,
     trace: EpisodeTrace,
     task: Task,
+    /// Deliveries that the agent gave up, but that the instruction does not have: its reasons are
+    /// those of the targets that it never mentions.
+    misread: VecDeque<Failure>,
     error: Option<BenchError>,
 }
 
@@ -87,6 +89,7 @@ impl<'o> Rollout<'o> {
             observers: Vec::new(),
             trace: EpisodeTrace::default(),
             task: Task::new(prepared.world.start.point()),
+            misread: VecDeque::new(),
             error: None,
         })
     }
@@ -300,18 +303,22 @@ impl<'o> Rollout<'o> {
         }
     }
 
-    /// Giving up an address that is not in the instruction has no effect.
+    /// Giving up an address that is not in the instruction ends no delivery yet: the agent may have
+    /// misread any of them.
     fn give_up(&mut self, give_up: &GiveUp) {
         let Some(address) = &give_up.address else {
-            return self.fail_open_targets(give_up.cause, &give_up.detail);
+            for target in self.open_targets() {
+                let failure = self.misread.pop_front();
+                let failure = failure.unwrap_or_else(|| Failure::from(give_up));
+                self.end(target, false, Some(failure));
+            }
+            return;
         };
         let open = self.open_targets();
         if let Some(&target) = open.iter().find(|target| self.names(**target, address)) {
-            let failure = Failure {
-                cause: give_up.cause,
-                detail: give_up.detail.clone(),
-            };
-            self.end(target, false, Some(failure));
+            self.end(target, false, Some(Failure::from(give_up)));
+        } else if self.misread.len() < open.len() {
+            self.misread.push_back(Failure::from(give_up));
         }
     }
 
@@ -325,11 +332,14 @@ impl<'o> Rollout<'o> {
     fn end(&mut self, target: usize, declared: bool, failure: Option<Failure>) {
         let (now, here) = (self.simulator.time(), self.pose().point());
         let collisions = self.simulator.collisions();
+        let contacts = self.simulator.contact_durations();
         // All since the last end belongs to the delivery that ends now, whichever it is: agents
         // deliver in an order of their own.
         let next = Task {
             began: now,
             collisions_before: collisions.len(),
+            contacts_before: contacts.clone(),
+            models_before: self.trace.models,
             plates_before: self.trace.plates.len(),
             ..Task::new(here)
         };
@@ -344,9 +354,11 @@ impl<'o> Rollout<'o> {
             path_m: task.path_m,
             smoothness: task.smoothness.sum(),
             collisions: collisions[task.collisions_before..].to_vec(),
+            contacts: longer_contacts(&task.contacts_before, contacts),
             encounters: (!self.simulator.movers().is_empty()).then(|| task.encounters.totals()),
             pose_error_m: self.trace.estimated.last().map(|p| p.distance(here)),
             plates_read: self.trace.plates.len() - task.plates_before,
+            models: self.trace.models.since(task.models_before),
             failure,
         });
     }
@@ -358,6 +370,8 @@ struct Task {
     began: SimTime,
     path_m: f64,
     collisions_before: usize,
+    contacts_before: BTreeMap<SemanticClass, Duration>,
+    models_before: ModelUse,
     plates_before: usize,
     encounters: Encounters,
     smoothness: Smoothness,
@@ -371,11 +385,27 @@ impl Task {
             began: SimTime::ZERO,
             path_m: 0.0,
             collisions_before: 0,
+            contacts_before: BTreeMap::new(),
+            models_before: ModelUse::default(),
             plates_before: 0,
             encounters: Encounters::new(),
             smoothness: Smoothness::default(),
         }
     }
+}
+
+/// By how much the contacts with each class are longer than before.
+fn longer_contacts(
+    before: &BTreeMap<SemanticClass, Duration>,
+    now: BTreeMap<SemanticClass, Duration>,
+) -> BTreeMap<SemanticClass, Duration> {
+    now.into_iter()
+        .map(|(class, time)| {
+            let earlier = before.get(&class).copied().unwrap_or_default();
+            (class, time.saturating_sub(earlier))
+        })
+        .filter(|(_, time)| !time.is_zero())
+        .collect()
 }
 
 fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {
@@ -385,14 +415,8 @@ fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {
         goal: Goal::Instruction(episode.instruction.clone()),
         start: prepared.world.start,
         robot: prepared.robot.clone(),
-        time_limit: stated_limit(episode.time_limit),
+        time_limit: prepared.public_time_limit,
     }
-}
-
-/// The time limit as stated in the briefing, see [`STATED_LIMIT_STEP_S`].
-fn stated_limit(exact: Duration) -> Duration {
-    // One more than the whole steps: the stated limit is above the exact one, fractions included.
-    Duration::from_secs((exact.as_secs() / STATED_LIMIT_STEP_S + 1) * STATED_LIMIT_STEP_S)
 }
 
 /// `velocity` with NaN and infinity replaced by zero: neither a motor nor a recording in JSON

@@ -1,15 +1,20 @@
 //! From the trace of an episode to the results of its deliveries.
 
-use openbench_core::{Address, FailureCause, MapPoint, Plan};
+use std::collections::BTreeMap;
+
+use openbench_core::{Address, FailureCause, MapPoint, Plan, PlannedDelivery};
 use openbench_osm::OsmMap;
 
+use crate::score::health::health_spans;
+use crate::score::metrics::localization::localization;
 use crate::score::metrics::{
-    DoorScore, EncounterSum, Strict, collisions, paper_success, score_doors,
+    CollisionSum, DoorScore, EncounterSum, ExpectedPlan, Strict, Understood, collisions,
+    paper_success, score_doors,
 };
-use crate::score::results::DeliveryResult;
+use crate::score::results::{DeliveryResult, EpisodeResult};
 use crate::score::statistics::Proportion;
 use crate::trace::{EpisodeTrace, Failure, PlacedDoor, TaskOutcome};
-use crate::worlds::{Prepared, PreparedEpisode, Target};
+use crate::worlds::{Prepared, PreparedEpisode};
 
 /// The results of an episode's deliveries, in the order in which they ended.
 pub fn score_episode(
@@ -18,19 +23,14 @@ pub fn score_episode(
     episode: &PreparedEpisode,
     trace: &EpisodeTrace,
 ) -> Vec<DeliveryResult> {
-    let mut from = None;
     let mut results = Vec::new();
     for (task, outcome) in trace.tasks.iter().enumerate() {
         let target = &episode.targets[outcome.target];
-        // As in the reference's scripts: from the origin, and in a sequence from the previous door.
         let plate = target
             .door
             .map(|door| prepared.world.scene.doors[door].point());
         // A door that the world lacks cannot be delivered to, so its length enters no metric.
-        let straight = plate.map_or(0.0, |plate| {
-            from.unwrap_or(MapPoint::default()).distance(plate)
-        });
-        from = plate.or(from);
+        let straight = plate.map_or(0.0, |plate| outcome.began_at.distance(plate));
         let mut result = score_task(prepared, outcome, target.door);
         (result.episode, result.task, result.straight_line_m) = (number, task, straight);
         result.instruction = episode.instruction.clone();
@@ -50,7 +50,7 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -
         .zip(door)
         .map_or(Strict::NOT_DECLARED, |(at, door)| judge(prepared, at, door));
     let failure = failure(outcome, &strict);
-    let collisions = outcome.collisions.iter();
+    let collisions_by_class = collisions_by_class(outcome);
     DeliveryResult {
         episode: 0,
         task: 0,
@@ -67,14 +67,28 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -
         sim_seconds: outcome.ended.since(outcome.began).as_secs_f64(),
         smoothness: outcome.smoothness,
         collisions: outcome.collisions.len(),
-        collisions_by_class: collisions::by_class(collisions.map(|c| (c.class.name(), c.into()))),
+        contact_s: collisions::contact_s(&collisions_by_class),
+        collisions_by_class,
         encounters: outcome.encounters.map(EncounterSum::from),
         declared_at,
         pose_error_m: outcome.pose_error_m,
         plates_read: outcome.plates_read,
+        model_calls: outcome.models.calls,
+        model_calls_failed: outcome.models.failed,
         failure: failure.as_ref().map(|failure| failure.cause),
         failure_detail: failure.map(|failure| failure.detail),
     }
+}
+
+/// Collisions and contacts by the name of the class.
+fn collisions_by_class(outcome: &TaskOutcome) -> BTreeMap<String, CollisionSum> {
+    let bumps = outcome.collisions.iter();
+    let mut sums = collisions::by_class(bumps.map(|c| (c.class.name(), c.into())));
+    // A contact that began in the delivery before has no collision here.
+    for (class, time) in &outcome.contacts {
+        sums.entry(class.name().to_owned()).or_default().contact_s += time.as_secs_f64();
+    }
+    sums
 }
 
 /// The failure of a delivery by the strict criterion; `None` if it succeeded.
@@ -116,6 +130,24 @@ fn geodesic_distance(prepared: &Prepared, from: MapPoint, door: usize) -> Option
     prepared.free_space.distance(from, prepared.approach[door]?)
 }
 
+/// The results of the episodes as a whole.
+pub fn score_episodes(prepared: &Prepared, traces: &[EpisodeTrace]) -> Vec<EpisodeResult> {
+    let pairs = prepared.episodes.iter().zip(traces).enumerate();
+    pairs
+        .map(|(number, (episode, trace))| EpisodeResult {
+            episode: number,
+            sim_seconds: trace.sim_seconds,
+            understood: trace.plan.as_ref().map(|plan| is_understood(episode, plan)),
+            fallbacks: trace
+                .plan
+                .as_ref()
+                .map_or(Vec::new(), |p| p.fallbacks.clone()),
+            localization: localization([&trace.pose_errors[..]].into_iter()),
+            health: health_spans(&trace.pose_errors),
+        })
+        .collect()
+}
+
 /// Scores the doors that the agent wrote, over all episodes; `None` if it edits no map.
 pub fn score_written_doors(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<DoorScore> {
     if traces.iter().all(|trace| trace.map.is_none()) {
@@ -133,20 +165,24 @@ pub fn score_written_doors(prepared: &Prepared, traces: &[EpisodeTrace]) -> Opti
         .iter()
         .map(|door| PlacedDoor {
             address: door.address.clone(),
-            position: doorway(&map, door.point(), door.facing),
+            position: match door.doorway {
+                Some(doorway) => doorway.point(),
+                None => doorway_behind(&map, door.point(), door.facing),
+            },
         })
         .collect();
     Some(score_doors(&written, &doors))
 }
 
 /// The position of a door in OSM, on the outline of its building, from the position of its `plate`
-/// and the direction in which that `facing` looks, radians.
+/// and the direction in which that `facing` looks, radians: for imported worlds, which have plates
+/// only.
 ///
 /// The plate of a recessed doorway is inside the outline; its door is where a ray from the plate
 /// leaves the building. For other plates it is the nearest point of the outline.
 // OPEN has a rule of its own for the doors that it writes. The two share no code on purpose: with a
 // common rule, an error in it would move the expected and the written door alike and not be seen.
-fn doorway(map: &OsmMap, plate: MapPoint, facing: f64) -> MapPoint {
+fn doorway_behind(map: &OsmMap, plate: MapPoint, facing: f64) -> MapPoint {
     /// Maximum depth of a recess.
     const MAX_RECESS_CM: u32 = 400;
     /// Step along the ray.
@@ -166,41 +202,49 @@ fn doorway(map: &OsmMap, plate: MapPoint, facing: f64) -> MapPoint {
     in_front.unwrap_or_else(|| outline.nearest_boundary_point(plate).point)
 }
 
-/// The instructions whose plan has exactly the requested doors, among all; `None` if the agent made
-/// no plans.
-pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<Proportion> {
+/// The instructions that were understood, see [`Understood`]; `None` if the agent made no plans.
+pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<Understood> {
     if traces.iter().all(|trace| trace.plan.is_none()) {
         return None;
     }
     // In a run with plans, an episode without one counts as not understood.
     let episodes: Vec<_> = prepared.episodes.iter().zip(traces).collect();
-    let is_right = |(episode, trace): &(&PreparedEpisode, &EpisodeTrace)| {
-        is_understood(&episode.targets, trace.plan.as_ref())
+    let right: Vec<&Plan> = episodes
+        .iter()
+        .filter_map(|(episode, trace)| {
+            let plan = trace.plan.as_ref()?;
+            is_understood(episode, plan).then_some(plan)
+        })
+        .collect();
+    let share = |successes| Proportion {
+        successes,
+        trials: episodes.len(),
     };
-    Some(Proportion::count(&episodes, is_right))
+    Some(Understood {
+        by_planner: share(right.iter().filter(|p| p.fallbacks.is_empty()).count()),
+        with_fallbacks: share(right.len()),
+    })
 }
 
-/// Whether the plan has exactly the requested doors, in any order.
-fn is_understood(targets: &[Target], plan: Option<&Plan>) -> bool {
-    let Some(plan) = plan else {
-        return false;
+/// Whether the plan is exactly right: the definition of SRTP, see [`ExpectedPlan::is_met_by`].
+fn is_understood(episode: &PreparedEpisode, plan: &Plan) -> bool {
+    let expected = ExpectedPlan {
+        doors: episode.targets.iter().map(|t| t.address.clone()).collect(),
+        before: episode.before.clone(),
     };
-    let mut missing: Vec<&Address> = targets.iter().map(|target| &target.address).collect();
-    for delivery in &plan.deliveries {
-        let address = delivery.address();
-        // A matched door is removed, so a door that is planned twice does not match again.
-        match missing.iter().position(|m| m.same_door(&address)) {
-            Some(i) => drop(missing.remove(i)),
-            None => return false,
-        }
-    }
-    missing.is_empty()
+    let planned: Vec<Address> = plan
+        .deliveries
+        .iter()
+        .map(PlannedDelivery::address)
+        .collect();
+    expected.is_met_by(&planned)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use openbench_core::{Georeference, LonLat, PlannedDelivery};
+    use crate::worlds::Target;
+    use openbench_core::{Georeference, LonLat};
     use openbench_osm::OsmData;
     use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -232,13 +276,13 @@ mod tests {
         let map = map();
         // 2 m inside the southern wall, facing south, where the eastern wall is nearer.
         let recessed = MapPoint::new(9.0, -3.0);
-        assert!(is_at(doorway(&map, recessed, -FRAC_PI_2), 9.0, -5.0));
+        assert!(is_at(doorway_behind(&map, recessed, -FRAC_PI_2), 9.0, -5.0));
         // On a wall, and 1 m in front of it: the nearest point.
         let in_front = MapPoint::new(2.0, -6.0);
-        assert!(is_at(doorway(&map, in_front, -FRAC_PI_2), 2.0, -5.0));
+        assert!(is_at(doorway_behind(&map, in_front, -FRAC_PI_2), 2.0, -5.0));
         // Too deep for a recess.
         let deep = MapPoint::new(9.0, 0.0);
-        assert!(is_at(doorway(&map, deep, PI), 10.0, 0.0));
+        assert!(is_at(doorway_behind(&map, deep, PI), 10.0, 0.0));
     }
 
     fn plan(doors: &[&Address]) -> Plan {
@@ -260,38 +304,44 @@ mod tests {
         }
     }
 
+    fn episode(doors: &[&Address], before: &[(usize, usize)]) -> PreparedEpisode {
+        PreparedEpisode {
+            instruction: String::new(),
+            targets: doors
+                .iter()
+                .map(|door| Target {
+                    address: (*door).clone(),
+                    door: None,
+                })
+                .collect(),
+            before: before.to_vec(),
+            time_limit: Default::default(),
+        }
+    }
+
     #[test]
-    fn an_instruction_is_understood_if_the_plan_has_exactly_its_doors() {
+    fn an_instruction_is_understood_if_the_plan_has_exactly_its_doors_in_their_order() {
         let (first, second) = (Address::new("b1", "u1"), Address::new("b1", "u2"));
-        let targets = [&first, &second].map(|address| Target {
-            address: address.clone(),
-            door: None,
-        });
-        assert!(is_understood(&targets, Some(&plan(&[&second, &first]))));
-        assert!(!is_understood(&targets, Some(&plan(&[&first]))));
-        assert!(!is_understood(&targets, Some(&plan(&[&first, &first]))));
-        assert!(!is_understood(
-            &targets,
-            Some(&plan(&[&first, &second, &second]))
-        ));
-        assert!(!is_understood(&targets, None));
+        let any_order = episode(&[&first, &second], &[]);
+        let understood = |doors: &[&Address]| is_understood(&any_order, &plan(doors));
+        assert!(understood(&[&second, &first]));
+        assert!(!understood(&[&first]));
+        assert!(!understood(&[&first, &first]));
+        assert!(!understood(&[&first, &second, &second]));
+        let ordered = episode(&[&first, &second], &[(0, 1)]);
+        assert!(is_understood(&ordered, &plan(&[&first, &second])));
+        assert!(!is_understood(&ordered, &plan(&[&second, &first])));
     }
 
     fn outcome(failure: Option<Failure>) -> TaskOutcome {
+        let none = Failure {
+            cause: FailureCause::Timeout,
+            detail: String::new(),
+        };
         TaskOutcome {
-            target: 0,
-            began_at: MapPoint::default(),
-            began: Default::default(),
-            ended: Default::default(),
-            ended_at: MapPoint::default(),
             declared: true,
-            path_m: 0.0,
-            smoothness: Default::default(),
-            collisions: Vec::new(),
-            encounters: None,
-            pose_error_m: None,
-            plates_read: 0,
             failure,
+            ..TaskOutcome::failed(0, none)
         }
     }
 

@@ -3,13 +3,17 @@
 //! | module | content |
 //! |---|---|
 //! | `deliveries` | from an episode's trace to the results of its deliveries |
+//! | [`health`] | the agent's reports on its own pose over time |
+//! | [`departures`] | in what a run departs from the defaults |
 //! | [`metrics`] | the metrics, as functions of plain values |
 //! | [`statistics`] | confidence intervals |
 //! | [`results`] | [`Results`]: the file `results.json` |
 //! | [`evaluate`] | the paper's metrics for logs of the reference recorder |
 
 pub(crate) mod deliveries;
+pub mod departures;
 pub mod evaluate;
+pub mod health;
 pub mod metrics;
 pub mod results;
 pub mod statistics;

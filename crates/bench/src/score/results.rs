@@ -7,12 +7,14 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use openbench_core::{Address, FailureCause, MapPoint, ModelUse};
+use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse};
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ResultsError;
+use crate::score::health::HealthSpan;
 use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum};
+use crate::suite::{Sensors, TargetSource};
 use crate::trace::SmoothnessSum;
 
 /// The results of a run.
@@ -30,11 +32,23 @@ pub struct Results {
     /// The agent's settings (`--set KEY=VALUE`).
     #[serde(default)]
     pub settings: BTreeMap<String, String>,
+    /// Where the doors that the judge expects are known from.
+    #[serde(default)]
+    pub targets: TargetSource,
     /// People and cars requested by the suite.
     #[serde(default)]
     pub traffic: TrafficPlan,
-    /// The metrics over all deliveries.
+    /// Sensors in addition to the benchmark's own.
+    #[serde(default)]
+    pub sensors: Sensors,
+    /// The doors from earlier runs that the agent knew; absent without a memory.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub memory: Option<MemoryUse>,
+    /// The metrics.
     pub metrics: Metrics,
+    /// The results of the episodes.
+    #[serde(default)]
+    pub episodes: Vec<EpisodeResult>,
     /// The results of the deliveries, by episode and task.
     pub deliveries: Vec<DeliveryResult>,
     /// The agent's use of language and vision models in all episodes; absent if it used none.
@@ -48,21 +62,68 @@ pub struct Results {
     pub attribution: Vec<String>,
 }
 
+/// The memory that agents began with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryUse {
+    /// Number of its doors that the public map does not have.
+    pub doors: usize,
+}
+
+/// The result of one episode.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct EpisodeResult {
+    /// Its number in the suite, from 0.
+    pub episode: usize,
+    /// Simulated time, seconds.
+    pub sim_seconds: f64,
+    /// Whether the plan was exactly right; null if the agent made none.
+    pub understood: Option<bool>,
+    /// Parts of the plan that another planner had to make.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fallbacks: Vec<Fallback>,
+    /// Localization errors; null if the agent reported no pose.
+    pub localization: Option<LocalizationSum>,
+    /// The agent's reports on its own pose, in spans of equal health.
+    pub health: Vec<HealthSpan>,
+}
+
 /// Metrics of a run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Metrics {
-    /// Share of deliveries declared within 10 m of the plate (paper).
+    /// Share of single deliveries declared within 10 m of the plate (paper).
     pub sr_10m: Option<f64>,
     /// SPL of `sr_10m`, where straight lines are the shortest paths (paper).
     pub spl_straight: Option<f64>,
-    /// Share of deliveries declared within 2 m of the correct door's approach point, with no other
-    /// door's approach point nearer (strict).
+    /// Share of single deliveries declared within 2 m of the correct door's approach point, with
+    /// no other door's approach point nearer (strict).
     pub sr_2m: Option<f64>,
-    /// Share of deliveries declared with no other door's approach point nearer.
+    /// `sr_2m` without deliveries in which the robot touched anything.
+    #[serde(default)]
+    pub sr_clean: Option<f64>,
+    /// Share of single deliveries declared with no other door's approach point nearer.
     pub correct_unit: Option<f64>,
     /// SPL of `sr_2m`, with the shortest drivable paths (strict).
     pub spl: Option<f64>,
+    /// `sr_10m` of the deliveries of sequences, each of which starts where the last one ended.
+    #[serde(default)]
+    pub member_sr_10m: Option<f64>,
+    /// `spl_straight` of the deliveries of sequences.
+    #[serde(default)]
+    pub member_spl_straight: Option<f64>,
+    /// `sr_2m` of the deliveries of sequences.
+    #[serde(default)]
+    pub member_sr_2m: Option<f64>,
+    /// `sr_clean` of the deliveries of sequences.
+    #[serde(default)]
+    pub member_sr_clean: Option<f64>,
+    /// `correct_unit` of the deliveries of sequences.
+    #[serde(default)]
+    pub member_correct_unit: Option<f64>,
+    /// `spl` of the deliveries of sequences.
+    #[serde(default)]
+    pub member_spl: Option<f64>,
     /// Mean LSR of the sequences (strict).
     pub lsr: Option<f64>,
     /// Mean LSPL of the sequences (strict).
@@ -73,12 +134,19 @@ pub struct Metrics {
     /// Mean LSPL of the sequences (paper).
     #[serde(default)]
     pub lspl_straight: Option<f64>,
-    /// Share of instructions whose plan has exactly the requested doors.
+    /// Share of instructions whose plan has exactly the requested doors in an admissible order,
+    /// and was made by the requested planner alone.
     #[serde(default)]
     pub srtp: Option<f64>,
+    /// The same with plans of which another planner had to make a part.
+    #[serde(default)]
+    pub srtp_with_fallback: Option<f64>,
     /// Number of collisions.
     pub collisions: usize,
-    /// Collisions by class of the object that was hit.
+    /// Time in contact with obstacles, seconds.
+    #[serde(default)]
+    pub contact_s: f64,
+    /// Collisions and contacts by class of the object that was hit.
     #[serde(default)]
     pub collisions_by_class: BTreeMap<String, CollisionSum>,
     /// Encounters with people and cars; null in a world without traffic.
@@ -98,9 +166,10 @@ pub struct Metrics {
     pub wall_seconds: f64,
     /// Simulated time per CPU time of the process. Depends on the machine.
     pub real_time_factor: f64,
-    /// 95 % confidence intervals, lower and upper bound, by name of the metric.
+    /// 95 % confidence intervals, lower and upper bound, by name of the metric; null below five
+    /// episodes.
     #[serde(default)]
-    pub intervals: BTreeMap<String, [f64; 2]>,
+    pub intervals: BTreeMap<String, Option<[f64; 2]>>,
 }
 
 /// The result of one delivery.
@@ -139,6 +208,9 @@ pub struct DeliveryResult {
     pub smoothness: SmoothnessSum,
     /// Collisions during this delivery.
     pub collisions: usize,
+    /// Time in contact with obstacles, seconds.
+    #[serde(default)]
+    pub contact_s: f64,
     /// These collisions by class of the object that was hit.
     #[serde(default)]
     pub collisions_by_class: BTreeMap<String, CollisionSum>,
@@ -154,6 +226,12 @@ pub struct DeliveryResult {
     /// Number of plates read during this delivery.
     #[serde(default)]
     pub plates_read: usize,
+    /// Questions to language and vision models during this delivery.
+    #[serde(default)]
+    pub model_calls: u32,
+    /// Those without an answer.
+    #[serde(default)]
+    pub model_calls_failed: u32,
     /// Cause of the failure; null if the delivery succeeded.
     pub failure: Option<FailureCause>,
     /// Description of the failure.
@@ -249,11 +327,14 @@ pub(crate) mod tests {
                 stops: 1,
             },
             collisions: 0,
+            contact_s: 0.0,
             collisions_by_class: BTreeMap::new(),
             encounters: None,
             declared_at: Some(MapPoint::new(1.0, 2.0)),
             pose_error_m: Some(0.125),
             plates_read: 2,
+            model_calls: 0,
+            model_calls_failed: 0,
             failure: None,
             failure_detail: None,
         }
@@ -266,8 +347,12 @@ pub(crate) mod tests {
             seed: 7,
             version: "0.1.0".into(),
             settings: BTreeMap::new(),
+            targets: TargetSource::World,
             traffic: TrafficPlan::default(),
+            sensors: Sensors::default(),
+            memory: None,
             metrics: Metrics::default(),
+            episodes: vec![],
             deliveries,
             models: None,
             doors: None,
@@ -281,7 +366,10 @@ pub(crate) mod tests {
         let path = dir.path().join("results.json");
         let mut written = results(vec![delivery(0, 0)]);
         written.metrics.sr_2m = Some(1.0 / 3.0);
-        written.metrics.intervals.insert("sr_2m".into(), [0.1, 0.9]);
+        written
+            .metrics
+            .intervals
+            .insert("sr_2m".into(), Some([0.1, 0.9]));
         written.write(&path).unwrap();
         assert_eq!(Results::read(&path).unwrap(), written);
         assert_eq!(

@@ -86,6 +86,7 @@ impl Draw {
         Episode {
             instruction: sentences.join(" "),
             deliveries: doors,
+            before: Vec::new(),
         }
     }
 

@@ -4,9 +4,10 @@
 //! | module | content |
 //! |---|---|
 //! | `source` | [`WorldSource`]: the source of the world |
+//! | `target_source` | [`TargetSource`]: where the requested doors are known from |
 //! | `sensors` | [`Sensors`]: sensors in addition to the benchmark's own |
 //! | `builtin` | the contents of the built-in suites |
-//! | [`deliveries`] | the published delivery files |
+//! | [`deliveries`] | files of deliveries, with or without annotations |
 //! | [`truth_file`] | the published files of true door positions |
 //! | [`draw`] | random deliveries with instructions |
 
@@ -15,6 +16,7 @@ pub mod deliveries;
 pub mod draw;
 mod sensors;
 mod source;
+mod target_source;
 pub mod truth_file;
 
 use std::path::{Path, PathBuf};
@@ -25,15 +27,53 @@ use serde::{Deserialize, Serialize};
 
 pub use self::sensors::Sensors;
 pub use self::source::WorldSource;
+pub use self::target_source::TargetSource;
 use crate::BenchError;
 
 /// One episode: an instruction and the doors that it requests.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Episode {
     /// The instruction for the agent.
     pub instruction: String,
-    /// Addresses of the requested doors, each once.
+    /// Addresses of the requested doors, each once; empty if only their positions are known.
     pub deliveries: Vec<Address>,
+    /// Pairs of indices into `deliveries`: the first has to be visited before the second. Without
+    /// pairs every order is admissible.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub before: Vec<(usize, usize)>,
+}
+
+impl Episode {
+    /// An instruction whose doors are not known.
+    pub fn unannotated(instruction: impl Into<String>) -> Self {
+        Self {
+            instruction: instruction.into(),
+            deliveries: Vec::new(),
+            before: Vec::new(),
+        }
+    }
+
+    /// Checks that each door is named once and that `before` names two of them.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    fn check(&self) -> Result<(), String> {
+        for (i, door) in self.deliveries.iter().enumerate() {
+            if self.deliveries[..i].iter().any(|d| d.same_door(door)) {
+                return Err(format!("{door} is named twice; name each door once"));
+            }
+        }
+        let count = self.deliveries.len();
+        let is_pair = |&(a, b): &(usize, usize)| a < count && b < count && a != b;
+        match self.before.iter().find(|pair| !is_pair(pair)) {
+            Some((a, b)) => Err(format!(
+                "`before` has the pair {a}, {b}; write two different indices below the number of \
+                 deliveries, {count}"
+            )),
+            None => Ok(()),
+        }
+    }
 }
 
 /// A world and the episodes in it.
@@ -49,17 +89,23 @@ pub struct Episode {
 ///     episodes: vec![Episode {
 ///         instruction: "Please take this parcel to unit2, building1.".into(),
 ///         deliveries: vec![Address::new("building1", "unit2")],
+///         before: vec![],
 ///     }],
+///     targets: Default::default(),
 ///     sensors: Sensors::default(),
 /// };
 /// assert!(suite.to_toml().contains("building = \"building1\""));
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Suite {
     /// Name of the suite in results.
     pub name: String,
     /// The world.
     pub world: WorldSource,
+    /// Where the doors of the episodes are known from.
+    #[serde(default)]
+    pub targets: TargetSource,
     /// Moving people and cars; none by default and in the published suites.
     #[serde(default, skip_serializing_if = "TrafficPlan::is_empty")]
     pub traffic: TrafficPlan,
@@ -82,6 +128,11 @@ impl Suite {
             toml::from_str(&text).map_err(|e| BenchError::wrong_format(path, "suite", e))?;
         if suite.episodes.is_empty() {
             return Err(BenchError::bad_file(path, "the suite has no episodes"));
+        }
+        for (number, episode) in suite.episodes.iter().enumerate() {
+            let bad = |problem| format!("episode {number}: {problem}");
+            let checked = episode.check().map_err(bad);
+            checked.map_err(|problem| BenchError::bad_file(path, problem))?;
         }
         Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
     }
@@ -133,7 +184,9 @@ mod tests {
             episodes: vec![Episode {
                 instruction: "To unit1, building2, \"please\".".into(),
                 deliveries: vec![Address::new("building2", "unit1")],
+                before: vec![],
             }],
+            targets: TargetSource::World,
             sensors: Sensors { gnss: true },
         };
         let folder = tempfile::tempdir().unwrap();
@@ -144,7 +197,7 @@ mod tests {
             (read.traffic, &read.episodes),
             (suite.traffic, &suite.episodes)
         );
-        assert_eq!(read.sensors, suite.sensors);
+        assert_eq!((read.sensors, read.targets), (suite.sensors, suite.targets));
         let WorldSource::Imported { world, .. } = read.world else {
             panic!("another source")
         };

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// The source of a world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum WorldSource {
     /// A built-in world, generated from its map and a seed.
     Builtin {

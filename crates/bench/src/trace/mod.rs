@@ -8,10 +8,14 @@
 mod pose_error;
 mod smoothness;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
+use std::time::Duration;
 
-use openbench_core::{Address, FailureCause, Image, MapPoint, ModelUse, Plan, SimTime, Velocity};
+use openbench_core::{
+    Address, FailureCause, GiveUp, Image, MapPoint, ModelUse, Plan, SimTime, Velocity,
+};
+use openbench_scene::SemanticClass;
 use openbench_sim::Collision;
 use openbench_sim::traffic::EncounterTotals;
 
@@ -40,6 +44,9 @@ pub struct TaskOutcome {
     pub smoothness: SmoothnessSum,
     /// Collisions during the delivery.
     pub collisions: Vec<Collision>,
+    /// Time in contact with each class of objects during the delivery; classes that were not
+    /// touched may be absent.
+    pub contacts: BTreeMap<SemanticClass, Duration>,
     /// Encounters with people and cars; `None` in a world without traffic.
     pub encounters: Option<EncounterTotals>,
     /// Distance between the last estimated and the true position at the end, metres; `None` if the
@@ -47,8 +54,33 @@ pub struct TaskOutcome {
     pub pose_error_m: Option<f64>,
     /// Plates read during the delivery.
     pub plates_read: usize,
+    /// The agent's use of models during the delivery.
+    pub models: ModelUse,
     /// The failure, if it was not declared.
     pub failure: Option<Failure>,
+}
+
+impl TaskOutcome {
+    /// A delivery that failed before it began.
+    pub fn failed(target: usize, failure: Failure) -> Self {
+        Self {
+            target,
+            began_at: MapPoint::default(),
+            began: SimTime::ZERO,
+            ended: SimTime::ZERO,
+            ended_at: MapPoint::default(),
+            declared: false,
+            path_m: 0.0,
+            smoothness: SmoothnessSum::default(),
+            collisions: Vec::new(),
+            contacts: BTreeMap::new(),
+            encounters: None,
+            pose_error_m: None,
+            plates_read: 0,
+            models: ModelUse::default(),
+            failure: Some(failure),
+        }
+    }
 }
 
 /// Why a delivery failed.
@@ -58,6 +90,15 @@ pub struct Failure {
     pub cause: FailureCause,
     /// Description, for people.
     pub detail: String,
+}
+
+impl From<&GiveUp> for Failure {
+    fn from(give_up: &GiveUp) -> Self {
+        Self {
+            cause: give_up.cause,
+            detail: give_up.detail.clone(),
+        }
+    }
 }
 
 /// A door on a map.

@@ -7,7 +7,7 @@ use super::load;
 use crate::BenchError;
 use crate::suite::builtin::{BUILT_IN, builtin_suites};
 use crate::suite::draw::Draw;
-use crate::suite::{Sensors, Suite, WorldSource};
+use crate::suite::{Sensors, Suite, TargetSource, WorldSource};
 
 /// The built-in suite `small`, `medium` or `large`; the same deliveries on every call.
 ///
@@ -47,6 +47,7 @@ pub fn builtin_suite(name: &str) -> Result<Suite, BenchError> {
     Ok(Suite {
         name: name.to_owned(),
         world: source,
+        targets: TargetSource::World,
         traffic: TrafficPlan::default(),
         episodes,
         sensors: Sensors::default(),

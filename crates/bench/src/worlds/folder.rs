@@ -21,7 +21,7 @@ use super::prepared::Prepared;
 use super::recipe::{MAP, RECIPE, Recipe};
 use crate::BenchError;
 use crate::suite::draw::Draw;
-use crate::suite::{Sensors, Suite, WorldSource};
+use crate::suite::{Sensors, Suite, TargetSource, WorldSource};
 
 const PUBLIC: &str = "public.osm";
 const SUITE: &str = "suite.toml";
@@ -90,6 +90,7 @@ pub fn write(
     let suite = Suite {
         name: recipe.name().to_owned(),
         world: source,
+        targets: TargetSource::World,
         traffic: TrafficPlan::default(),
         episodes: Vec::new(),
         sensors: Sensors::default(),

@@ -12,12 +12,14 @@ use openbench_sim::{Simulator, Stage};
 use super::load;
 use super::targets::{Target, find_doors, match_doors, read_truths};
 use crate::BenchError;
-use crate::suite::Suite;
+use crate::suite::{Suite, TargetSource};
 
 /// Constant part of the time limit of a delivery.
 const BASE_TIME_LIMIT_S: f64 = 120.0;
 /// Time limit for each metre of the shortest path: eight times the time at 0.5 m/s.
 const TIME_LIMIT_S_PER_M: f64 = 8.0 / 0.5;
+/// Paths that the public limit allows for are longer than straight lines by this factor.
+const PUBLIC_DETOUR: f64 = 2.0;
 
 /// An episode with its doors looked up.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +28,9 @@ pub struct PreparedEpisode {
     pub instruction: String,
     /// The requested doors.
     pub targets: Vec<Target>,
-    /// Exact time limit for all deliveries.
+    /// Pairs of indices into `targets`: the first has to be visited before the second.
+    pub before: Vec<(usize, usize)>,
+    /// Exact time limit for all deliveries. It depends on the doors, so agents do not get it.
     pub time_limit: Duration,
 }
 
@@ -47,6 +51,8 @@ pub struct Prepared {
     pub episodes: Vec<PreparedEpisode>,
     /// The robot.
     pub robot: RobotDescription,
+    /// The time limit of a delivery that agents are told: it follows from the public map alone.
+    pub public_time_limit: Duration,
     /// The free space of people; `None` in a world without traffic.
     people_space: Option<FreeSpace>,
     /// The file with the true positions of the doors, if one was given.
@@ -98,6 +104,8 @@ impl Prepared {
             .iter()
             .map(|d| free_space.approach_point(d))
             .collect();
+        let public_map = OsmMap::new(&world.map, world.georeference);
+        let public_time_limit = public_time_limit(&public_map, world.start.point());
         let (episodes, truth) = (Vec::new(), None);
         Ok(Self {
             suite,
@@ -107,9 +115,19 @@ impl Prepared {
             approach,
             episodes,
             robot,
+            public_time_limit,
             people_space,
             truth,
         })
+    }
+
+    /// Where the doors of the episodes are known from.
+    pub fn target_source(&self) -> TargetSource {
+        if self.truth.is_some() {
+            TargetSource::Positions
+        } else {
+            self.suite.targets
+        }
     }
 
     /// The public map, in metres in the `map` frame.
@@ -166,13 +184,16 @@ impl Prepared {
                 Ok(PreparedEpisode {
                     instruction: episode.instruction.clone(),
                     targets,
+                    before: episode.before.clone(),
                     time_limit,
                 })
             })
             .collect()
     }
 
+    /// The exact time limit: for each delivery no more than agents were told.
     fn time_limit(&self, targets: &[Target]) -> Duration {
+        let public = self.public_time_limit.as_secs_f64();
         let mut from = self.world.start.point();
         let mut seconds = 0.0;
         for target in targets {
@@ -187,7 +208,7 @@ impl Prepared {
             let length = self
                 .shortest(from, door)
                 .unwrap_or_else(|| from.distance(plate));
-            seconds += BASE_TIME_LIMIT_S + TIME_LIMIT_S_PER_M * length;
+            seconds += (BASE_TIME_LIMIT_S + TIME_LIMIT_S_PER_M * length).min(public);
             from = self.approach[door].unwrap_or(plate);
         }
         Duration::from_millis((seconds * 1000.0) as u64)
@@ -252,12 +273,33 @@ impl Prepared {
     }
 }
 
+/// The time limit of a delivery as far as the public map tells: enough for a path from any building
+/// to any other one. Nothing about doors enters it.
+fn public_time_limit(map: &OsmMap, start: MapPoint) -> Duration {
+    let corners = map.buildings.iter().flat_map(|b| &b.polygon.outer);
+    let farthest = corners.map(|c| c.distance(start)).fold(0.0, f64::max);
+    let longest = PUBLIC_DETOUR * 2.0 * farthest;
+    Duration::from_secs((BASE_TIME_LIMIT_S + TIME_LIMIT_S_PER_M * longest).ceil() as u64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::suite::Sensors;
     use crate::worlds::builtin_suite;
     use openbench_core::Velocity;
+
+    #[test]
+    fn agents_are_told_a_limit_that_depends_on_no_door() {
+        let suite = builtin_suite("small").unwrap();
+        let prepared = Prepared::new(suite, None).unwrap();
+        let told = prepared.public_time_limit;
+        for (number, episode) in prepared.episodes.iter().enumerate() {
+            let briefing = crate::run::Rollout::new(&prepared, number, 1).unwrap();
+            assert_eq!(briefing.briefing().time_limit, told);
+            assert!(episode.time_limit <= told * episode.targets.len() as u32);
+        }
+    }
 
     #[test]
     fn there_are_gnss_fixes_if_the_suite_requests_a_receiver() {

@@ -12,7 +12,7 @@ use crate::suite::truth_file::parse_truth;
 use crate::suite::{Episode, Suite};
 
 /// Maximum distance between a true position and the plate of its door.
-const TRUTH_TOLERANCE_M: f64 = 0.5;
+const TRUTH_TOLERANCE_M: f64 = 1.0;
 
 /// The door of a delivery.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,38 +38,47 @@ pub(super) fn find_doors(episode: &Episode, doors: &[Door]) -> Vec<Target> {
         .collect()
 }
 
-/// The doors at the true positions (`truths`: indices into `doors`), each with its address in the
-/// instruction.
+/// The doors at the true positions (`truths`: indices into `doors`).
 ///
-/// Files of true positions need not have the order of the instruction, and may contain doors with
-/// another address than the instruction's. Equal addresses are matched first; what is left follows
-/// in the order of the instruction.
+/// Without annotation each has its own address, in the order of the positions. With one, the order
+/// and the addresses are the annotation's: files of true positions need not have the order of the
+/// instruction, and may contain doors with another address. Equal addresses are matched first;
+/// what is left follows in order.
 pub(super) fn match_doors(episode: &Episode, truths: &[usize], doors: &[Door]) -> Vec<Target> {
-    let mut unmatched: Vec<&Address> = episode.deliveries.iter().collect();
-    let equal: Vec<Option<&Address>> = truths
+    if episode.deliveries.is_empty() {
+        return truths.iter().map(|&door| own_target(door, doors)).collect();
+    }
+    let mut unmatched: Vec<usize> = truths.to_vec();
+    let equal: Vec<Option<usize>> = episode
+        .deliveries
         .iter()
-        .map(|&door| take_address(&mut unmatched, &doors[door].address))
+        .map(|address| take_door(&mut unmatched, address, doors))
         .collect();
     let mut unmatched = unmatched.into_iter();
-    truths
+    episode
+        .deliveries
         .iter()
         .zip(equal)
-        .map(|(&door, equal)| {
-            let address = equal.or_else(|| unmatched.next());
-            Target {
-                address: address.unwrap_or(&doors[door].address).clone(),
-                door: Some(door),
-            }
+        .map(|(address, equal)| Target {
+            address: address.clone(),
+            door: equal.or_else(|| unmatched.next()),
         })
         .collect()
 }
 
-/// Removes the first of `addresses` that is the same door as `wanted`.
-fn take_address<'a>(addresses: &mut Vec<&'a Address>, wanted: &Address) -> Option<&'a Address> {
-    let found = addresses
+fn own_target(door: usize, doors: &[Door]) -> Target {
+    Target {
+        address: doors[door].address.clone(),
+        door: Some(door),
+    }
+}
+
+/// Removes the first of `unmatched` (indices into `doors`) that has an address.
+fn take_door(unmatched: &mut Vec<usize>, address: &Address, doors: &[Door]) -> Option<usize> {
+    let found = unmatched
         .iter()
-        .position(|address| address.same_door(wanted))?;
-    Some(addresses.remove(found))
+        .position(|&door| doors[door].address.same_door(address))?;
+    Some(unmatched.remove(found))
 }
 
 /// Reads a truth file: for each episode the doors at its true positions, as indices into `doors`.
@@ -108,13 +117,13 @@ fn doors_of_line(
         .iter()
         .map(|&point| door_at(path, line, point, doors))
         .collect::<Result<_, _>>()?;
-    // The doors of an instruction that was not understood are unknown.
+    // Without annotation the file alone says how many doors there are.
     if episode.deliveries.is_empty() || found.len() == episode.deliveries.len() {
         return Ok(found);
     }
     let named: Vec<String> = episode.deliveries.iter().map(Address::to_string).collect();
     let problem = format!(
-        "line {line}: {} true positions, but the instruction names {} doors ({})",
+        "line {line}: {} true positions, but the annotation names {} doors ({})",
         found.len(),
         named.len(),
         named.join("; ")
@@ -140,7 +149,7 @@ fn door_at(path: &Path, line: usize, at: MapPoint, doors: &[Door]) -> Result<usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::suite::{Sensors, WorldSource};
+    use crate::suite::{Sensors, TargetSource, WorldSource};
     use openbench_core::with_causes;
     use openbench_sim::traffic::TrafficPlan;
 
@@ -152,6 +161,7 @@ mod tests {
                 text: format!("unit {unit}"),
                 plate: [10.0 * f64::from(unit), 0.0, 1.5],
                 facing: 0.0,
+                doorway: None,
             })
             .collect()
     }
@@ -163,6 +173,7 @@ mod tests {
                 .iter()
                 .map(|unit| Address::new("building1", *unit))
                 .collect(),
+            before: Vec::new(),
         }
     }
 
@@ -182,7 +193,7 @@ mod tests {
     #[test]
     fn true_positions_in_another_order_keep_their_addresses() {
         let found = match_doors(&episode(&["unit2", "unit1"]), &[0, 1], &doors());
-        assert_eq!(targets(&found), [("unit1", Some(0)), ("unit2", Some(1))]);
+        assert_eq!(targets(&found), [("unit2", Some(1)), ("unit1", Some(0))]);
     }
 
     #[test]
@@ -191,7 +202,11 @@ mod tests {
         let found = match_doors(&episode(&["unit8", "unit2", "unit9"]), &[2, 1, 0], &doors);
         let expected = [("unit8", Some(2)), ("unit2", Some(1)), ("unit9", Some(0))];
         assert_eq!(targets(&found), expected);
-        // An instruction that was not understood: the doors' own addresses.
+    }
+
+    #[test]
+    fn true_positions_without_annotation_have_the_addresses_of_their_doors() {
+        let doors = doors();
         let found = match_doors(&episode(&[]), &[2], &doors);
         assert_eq!(targets(&found), [("unit3", Some(2))]);
     }
@@ -203,6 +218,7 @@ mod tests {
         let suite = Suite {
             name: "street".into(),
             world: WorldSource::Folder { path: ".".into() },
+            targets: TargetSource::Annotation,
             traffic: TrafficPlan::default(),
             episodes: episodes.iter().map(|units| episode(units)).collect(),
             sensors: Sensors::default(),
@@ -221,9 +237,9 @@ mod tests {
         let problem = |text: &str| read(text, &[&["unit1"], &["unit2"]]).unwrap_err();
         assert!(problem("(10, 0)\n").contains("1 line of true positions for 2 lines"));
         assert!(problem("(10, 0)\n(20; 0)\n").contains("line 2"));
-        let far = problem("(10, 0)\n(20, 0.6)\n");
-        assert!(far.contains(":2: (20, 0.6) is no door"), "{far}");
-        assert!(far.contains("unit2, building1, 0.60 m away"), "{far}");
+        let far = problem("(10, 0)\n(20, 1.1)\n");
+        assert!(far.contains(":2: (20, 1.1) is no door"), "{far}");
+        assert!(far.contains("unit2, building1, 1.10 m away"), "{far}");
         let several = problem("(10, 0)\n(20, 0) (30, 0)\n");
         assert!(several.contains("line 2: 2 true positions"), "{several}");
     }

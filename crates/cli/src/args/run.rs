@@ -2,12 +2,19 @@
 
 use std::path::PathBuf;
 
-use clap::Args as ClapArgs;
+use clap::{Args as ClapArgs, ValueEnum};
 
 use super::values::*;
 
 /// Heading of the arguments that take the place of a suite.
 const GAZEBO: &str = "A Gazebo world instead of a suite";
+
+/// Who says which doors instructions mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Targets {
+    /// OPEN's grammar reads them: where it errs, results are wrong
+    Planner,
+}
 
 /// Arguments of `run`.
 #[derive(Debug, ClapArgs)]
@@ -61,12 +68,22 @@ pub struct RunArgs {
     /// Folder with the models that `model://` names; may be repeated
     #[arg(long, requires = "world", help_heading = GAZEBO)]
     pub models: Vec<PathBuf>,
-    /// File of instructions, one per line
+    /// File of instructions, one per line, or a JSONL file with annotations (keys `instruction`,
+    /// `deliveries`, `before`)
     #[arg(long, requires = "world", help_heading = GAZEBO)]
     pub deliveries: Option<PathBuf>,
     /// File of true door positions, `(x, y)`; several per line for a sequence
     #[arg(long, requires = "deliveries", help_heading = GAZEBO)]
     pub truth: Option<PathBuf>,
+    /// Who says which doors the instructions mean, if neither --truth nor annotations do
+    #[arg(
+        long,
+        value_name = "SOURCE",
+        requires = "deliveries",
+        conflicts_with = "truth",
+        help_heading = GAZEBO
+    )]
+    pub targets: Option<Targets>,
     /// Draw single deliveries and sequences instead of reading a file of deliveries
     #[arg(
         long,

@@ -126,8 +126,8 @@ fn table(towns: &Towns) -> String {
         causes(failures)
     );
     let interval = |name: &str| {
-        let found = metrics.intervals.get(name);
-        found.map_or(String::new(), |[low, high]| {
+        let found = metrics.intervals.get(name).copied().flatten();
+        found.map_or("–".to_owned(), |[low, high]| {
             format!("{:.0} to {:.0}", low * 100.0, high * 100.0)
         })
     };

@@ -11,6 +11,7 @@ pub mod evaluate;
 pub mod models;
 pub mod odometry;
 pub mod plan;
+mod planned_targets;
 pub mod prepare;
 pub mod record;
 pub mod route;

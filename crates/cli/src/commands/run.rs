@@ -9,14 +9,14 @@ use openbench_bench::suite::draw::Draw;
 use openbench_bench::suite::{Sensors, deliveries};
 use openbench_bench::worlds::{folder, load};
 use openbench_bench::{
-    AgentFactory, Agents, Prepared, RunRequest, Suite, TrafficPlan, WorldSource, builtin_suite,
-    builtin_suites,
+    AgentFactory, Agents, Episode, Prepared, RunRequest, Suite, TargetSource, TrafficPlan,
+    WorldSource, builtin_suite, builtin_suites,
 };
 use openbench_core::Address;
 use openbench_osm::{OsmData, write_atomically};
 
-use crate::args::RunArgs;
-use crate::commands::read_map;
+use crate::args::{RunArgs, Targets};
+use crate::commands::{planned_targets, read_map};
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{PullProgress, progress_bar};
 
@@ -190,24 +190,8 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
     let name = world
         .file_stem()
         .map_or("world".into(), |s| s.to_string_lossy().into_owned());
-    let episodes = match (&args.deliveries, args.draw.as_deref()) {
-        (Some(file), _) => {
-            let episodes = deliveries::read(file, &read_map(map)?)?;
-            // Before the world is built, and with the name of the file.
-            let silent = episodes
-                .iter()
-                .find(|e| e.deliveries.is_empty())
-                .filter(|_| args.truth.is_none());
-            if let Some(episode) = silent {
-                anyhow::bail!(
-                    "{}: no delivery was found in `{}`; name building and unit, or \
-                     give true positions with --truth",
-                    file.display(),
-                    episode.instruction
-                );
-            }
-            episodes
-        }
+    let (episodes, targets) = match (&args.deliveries, args.draw.as_deref()) {
+        (Some(file), _) => given(args, file, map)?,
         (None, Some(&[singles, sequences, length])) => {
             let doors: Vec<Address> = load(&source)?
                 .scene
@@ -218,7 +202,7 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
             let mut draw = Draw::new(doors, args.seed);
             let mut episodes = draw.singles(singles);
             episodes.extend(draw.sequences(sequences, length));
-            episodes
+            (episodes, TargetSource::World)
         }
         _ => anyhow::bail!(
             "say what to deliver: --deliveries FILE, or --draw SINGLES SEQUENCES LENGTH"
@@ -228,10 +212,35 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
     Ok(Suite {
         name,
         world: source,
+        targets,
         traffic,
         episodes,
         sensors,
     })
+}
+
+/// The episodes of a file of deliveries.
+fn given(args: &RunArgs, file: &Path, map: &Path) -> anyhow::Result<(Vec<Episode>, TargetSource)> {
+    let episodes = deliveries::read(file)?;
+    match args.targets {
+        Some(_) if deliveries::is_annotated(file) => anyhow::bail!(
+            "{}: the file says itself which doors are meant; leave --targets out",
+            file.display()
+        ),
+        Some(Targets::Planner) => {
+            let episodes = planned_targets::read_doors(episodes, &read_map(map)?)
+                .with_context(|| format!("{} cannot be used", file.display()))?;
+            Ok((episodes, TargetSource::Planner))
+        }
+        // Before the world is built, which takes a while.
+        None if args.truth.is_none() && !deliveries::is_annotated(file) => anyhow::bail!(
+            "{}: nobody says which doors its instructions mean; give true positions with --truth, \
+             a JSONL file with annotations, or --targets planner to let OPEN's grammar read them, \
+             whose errors are then not seen",
+            file.display()
+        ),
+        None => Ok((episodes, TargetSource::Annotation)),
+    }
 }
 
 /// The command line as it was given.

@@ -86,6 +86,9 @@ fn table(scores: &Scores, what: &str) -> String {
         );
     };
     line("all", &scores.all);
+    if scores.fallbacks > 0 {
+        line("w. fallback", &scores.with_fallback);
+    }
     scores
         .difficulties
         .iter()

@@ -131,13 +131,19 @@ impl FreeSpace {
             .min_by(|a, b| point.distance(*a).total_cmp(&point.distance(*b)))
     }
 
-    /// The place of a robot at a door: its plate moved out along its normal until the footprint is
-    /// free and reachable; `None` if there is no such place within 6 m.
+    /// The place of a robot at a door: its entrance moved straight out until the footprint is free
+    /// and reachable; `None` if there is no such place within 6 m. In imported worlds, where doors
+    /// are plates, it is the place in front of the plate.
     pub fn approach_point(&self, door: &Door) -> Option<MapPoint> {
         // Half a cell at a time, so that no free cell on the way out is skipped.
         let steps = (MAX_APPROACH_M / (CELL_M / 2.0)) as usize;
+        let entrance = door.entrance();
         (0..=steps)
-            .map(|i| door.point().offset(door.facing, i as f64 * CELL_M / 2.0))
+            .map(|i| {
+                entrance
+                    .point()
+                    .offset(entrance.yaw, i as f64 * CELL_M / 2.0)
+            })
             .find(|p| self.is_reachable(*p))
     }
 
@@ -353,6 +359,7 @@ mod tests {
             text: "UNIT 1".into(),
             plate: [1.0, 0.0, 1.5],
             facing: -std::f64::consts::FRAC_PI_2,
+            doorway: None,
         };
         let point = space.approach_point(&door).unwrap();
         assert!(

@@ -153,6 +153,7 @@ pub(crate) fn add_doors(
             text,
             plate: at,
             facing: plate.facing(),
+            doorway: None,
         });
     }
     if strays > 0 {

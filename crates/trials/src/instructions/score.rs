@@ -59,8 +59,10 @@ pub struct Wrong {
 pub struct Scores {
     /// Name of the planner.
     pub planner: String,
-    /// Score over all instructions.
+    /// Score over all instructions: plans that the planner made alone.
     pub all: Share,
+    /// The same with plans that were partly made by another planner.
+    pub with_fallback: Share,
     /// Scores by language.
     pub languages: BTreeMap<String, Share>,
     /// Scores by difficulty.
@@ -112,6 +114,7 @@ pub fn score(
     let mut scores = Scores {
         planner: planner.name().to_owned(),
         all: Share::default(),
+        with_fallback: Share::default(),
         languages: BTreeMap::new(),
         difficulties: BTreeMap::new(),
         mean_ms: 0.0,
@@ -151,7 +154,9 @@ pub fn score(
 
 impl Scores {
     fn add(&mut self, case: &Case, plan: &Plan, said: Option<String>, map: Option<&OsmMap>) {
-        let right = is_right(case, plan, map);
+        let right_with_fallback = is_right(case, plan, map);
+        self.with_fallback.add(right_with_fallback);
+        let right = right_with_fallback && plan.fallbacks.is_empty();
         self.all.add(right);
         if !case.lang.is_empty() {
             self.languages

@@ -20,7 +20,7 @@ use serde::Serialize;
 use crate::line_problem::LineProblem;
 use crate::plural::count;
 use crate::score::metrics::{paper_success, path_ratio, sequence_mean, spl};
-use crate::score::statistics::{bootstrap_interval, wilson_interval};
+use crate::score::statistics::mean_interval;
 use crate::suite::truth_file::parse_truth;
 
 mod log;
@@ -103,8 +103,8 @@ pub struct PaperMetrics {
     pub lsr_10m: Option<f64>,
     /// Mean LSPL of the sequences; null for single deliveries.
     pub lspl_straight: Option<f64>,
-    /// 95 % intervals of the metrics of these names.
-    pub intervals: BTreeMap<&'static str, [f64; 2]>,
+    /// 95 % intervals of the metrics of these names; null below five episodes.
+    pub intervals: BTreeMap<&'static str, Option<[f64; 2]>>,
 }
 
 /// One task of the log.
@@ -239,43 +239,49 @@ fn score_task(leg: &Leg, log: &LoggedTask) -> EvaluatedDelivery {
 fn metrics(deliveries: &[EvaluatedDelivery]) -> PaperMetrics {
     let success = |d: &EvaluatedDelivery| f64::from(d.success_10m);
     let ratio = |d: &EvaluatedDelivery| path_ratio(d.success_10m, d.straight_line_m, d.path_m);
-    let ratios: Vec<f64> = deliveries.iter().map(ratio).collect();
-    let successes = deliveries.iter().filter(|d| d.success_10m).count();
-    let (lsr, lspl) = (
-        sequence_values(deliveries, success),
-        sequence_values(deliveries, ratio),
-    );
+    let successes = by_episode(deliveries, success);
+    let ratios = by_episode(deliveries, ratio);
+    let lsr = sequence_values(deliveries, success);
+    let lspl = sequence_values(deliveries, ratio);
     // With a fixed seed, the same log always gives the same intervals.
-    let intervals = [
-        ("sr_10m", wilson_interval(successes, deliveries.len())),
-        ("spl_straight", bootstrap_interval(&ratios, 0)),
-        ("lsr_10m", bootstrap_interval(&lsr, 0)),
-        ("lspl_straight", bootstrap_interval(&lspl, 0)),
-    ];
+    let interval = |episodes: &[Vec<f64>]| mean_interval(episodes, 0);
+    // A plain mean, also of what is no path ratio.
+    let mean = |episodes: &[Vec<f64>]| spl(&episodes.concat());
     PaperMetrics {
-        sr_10m: successes as f64 / deliveries.len() as f64,
-        spl_straight: spl(&ratios).unwrap_or(0.0),
-        // `spl` is a plain mean, here over the sequences.
-        lsr_10m: spl(&lsr),
-        lspl_straight: spl(&lspl),
-        intervals: intervals
-            .into_iter()
-            .filter_map(|(name, i)| Some((name, i?)))
-            .collect(),
+        sr_10m: mean(&successes).unwrap_or(0.0),
+        spl_straight: mean(&ratios).unwrap_or(0.0),
+        lsr_10m: mean(&lsr),
+        lspl_straight: mean(&lspl),
+        intervals: BTreeMap::from([
+            ("sr_10m", interval(&successes)),
+            ("spl_straight", interval(&ratios)),
+            ("lsr_10m", interval(&lsr)),
+            ("lspl_straight", interval(&lspl)),
+        ]),
     }
+}
+
+/// The values of the deliveries of each episode.
+fn by_episode(
+    deliveries: &[EvaluatedDelivery],
+    value: impl Fn(&EvaluatedDelivery) -> f64,
+) -> Vec<Vec<f64>> {
+    // Deliveries are in the order of their episodes, so those of one episode are adjacent.
+    deliveries
+        .chunk_by(|a, b| a.episode == b.episode)
+        .map(|episode| episode.iter().map(&value).collect())
+        .collect()
 }
 
 /// LSR or LSPL of each sequence.
 fn sequence_values(
     deliveries: &[EvaluatedDelivery],
     value: impl Fn(&EvaluatedDelivery) -> f64,
-) -> Vec<f64> {
-    // Deliveries are in the order of their episodes, so those of one episode are adjacent.
-    let episodes = deliveries
-        .chunk_by(|a, b| a.episode == b.episode)
-        .filter(|e| e.len() > 1);
-    episodes
-        .filter_map(|e| sequence_mean(&e.iter().map(&value).collect::<Vec<_>>()))
+) -> Vec<Vec<f64>> {
+    by_episode(deliveries, value)
+        .into_iter()
+        .filter(|episode| episode.len() > 1)
+        .filter_map(|episode| Some(vec![sequence_mean(&episode)?]))
         .collect()
 }
 

@@ -18,6 +18,9 @@ pub struct CollisionSum {
     pub cut_off: usize,
     /// Sum of the impulses, newton seconds.
     pub impulse_ns: f64,
+    /// Time in contact, seconds: a long scrape is one collision, but not a short one.
+    #[serde(default)]
+    pub contact_s: f64,
 }
 
 /// The properties of a collision that are scored.
@@ -82,6 +85,12 @@ pub fn by_class<'a>(
     sums
 }
 
+/// The time in contact with anything, seconds; contacts with two classes at once count twice.
+pub fn contact_s(sums: &BTreeMap<String, CollisionSum>) -> f64 {
+    // Folded from +0, since the `sum()` of nothing is -0, which JSON would show.
+    sums.values().fold(0.0, |all, sum| all + sum.contact_s)
+}
+
 /// Adds the sums of several deliveries, by class.
 pub fn total<'a>(
     parts: impl IntoIterator<Item = &'a BTreeMap<String, CollisionSum>>,
@@ -93,6 +102,7 @@ pub fn total<'a>(
         sum.driven_into += part.driven_into;
         sum.cut_off += part.cut_off;
         sum.impulse_ns += part.impulse_ns;
+        sum.contact_s += part.contact_s;
     }
     sums
 }
@@ -119,7 +129,8 @@ mod tests {
                 count: 2,
                 driven_into: 1,
                 cut_off: 0,
-                impulse_ns: 1.25
+                impulse_ns: 1.25,
+                contact_s: 0.0,
             }
         );
         let both = total([&first, &by_class([("car", bump(2.0, 0.0, true))])]);
@@ -130,7 +141,8 @@ mod tests {
                 count: 2,
                 driven_into: 1,
                 cut_off: 1,
-                impulse_ns: 2.5
+                impulse_ns: 2.5,
+                contact_s: 0.0,
             }
         );
         assert_eq!(both["wall"].count, 2);

@@ -3,6 +3,17 @@
 
 use openbench_core::Address;
 
+use crate::score::statistics::Proportion;
+
+/// Instructions that were understood, among all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Understood {
+    /// By the planner that was asked.
+    pub by_planner: Proportion,
+    /// By that planner or by another one that had to make a part of the plan.
+    pub with_fallbacks: Proportion,
+}
+
 /// The correct plan of an instruction.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ExpectedPlan {

@@ -1,14 +1,16 @@
 //! All metrics over the deliveries of a run.
 
 use std::collections::BTreeMap;
+use std::ops::Add;
 
 use super::collisions;
 use super::encounters::EncounterSum;
 use super::localization::LocalizationSum;
 use super::path_ratio::{path_ratio, spl};
 use super::sequence::sequence_mean;
+use super::srtp::Understood;
 use crate::score::results::{DeliveryResult, Metrics};
-use crate::score::statistics::{Proportion, bootstrap_interval, wilson_interval};
+use crate::score::statistics::{Proportion, mean_interval, rate_interval};
 use crate::trace::SmoothnessSum;
 
 /// Totals of a run that are not in the results of its deliveries.
@@ -20,8 +22,8 @@ pub struct RunTotals {
     pub wall_seconds: f64,
     /// CPU time of the process, seconds.
     pub cpu_seconds: f64,
-    /// Instructions with exactly the right plan, among all; `None` if the agent makes no plans.
-    pub instructions: Option<Proportion>,
+    /// Instructions that were understood; `None` if the agent makes no plans.
+    pub instructions: Option<Understood>,
     /// Errors of the poses that the agent reported.
     pub localization: Option<LocalizationSum>,
     /// Seed of the bootstrap.
@@ -31,18 +33,54 @@ pub struct RunTotals {
 /// The metrics of a run. The deliveries of an episode are a sequence if there are several of them,
 /// in the order of `task`.
 pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
-    let mut metrics = Metrics {
+    let mut metrics = sums(deliveries, totals);
+    let mut intervals = Intervals {
+        seed: totals.seed,
+        found: BTreeMap::new(),
+    };
+    let Episodes { singles, sequences } = Episodes::of(deliveries);
+    let single = Shares::of(&singles, "", &mut intervals);
+    metrics.sr_10m = single.sr_10m;
+    metrics.spl_straight = single.spl_straight;
+    metrics.sr_2m = single.sr_2m;
+    metrics.sr_clean = single.sr_clean;
+    metrics.correct_unit = single.correct_unit;
+    metrics.spl = single.spl;
+    let member = Shares::of(&sequences, "member_", &mut intervals);
+    metrics.member_sr_10m = member.sr_10m;
+    metrics.member_spl_straight = member.spl_straight;
+    metrics.member_sr_2m = member.sr_2m;
+    metrics.member_sr_clean = member.sr_clean;
+    metrics.member_correct_unit = member.correct_unit;
+    metrics.member_spl = member.spl;
+    metrics.srtp = totals
+        .instructions
+        .and_then(|i| intervals.rate("srtp", i.by_planner));
+    metrics.srtp_with_fallback = totals
+        .instructions
+        .and_then(|i| intervals.rate("srtp_with_fallback", i.with_fallbacks));
+    // LSR and LSPL are computed for each sequence first, then averaged.
+    metrics.lsr = intervals.sequences("lsr", &sequences, strict_success);
+    metrics.lspl = intervals.sequences("lspl", &sequences, strict_ratio);
+    metrics.lsr_10m = intervals.sequences("lsr_10m", &sequences, paper_success);
+    metrics.lspl_straight = intervals.sequences("lspl_straight", &sequences, paper_ratio);
+    metrics.intervals = intervals.found;
+    metrics
+}
+
+/// The metrics that are sums over all deliveries.
+fn sums(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
+    // Folded from +0, since the `sum()` of nothing is -0, which JSON would show.
+    let sum = |value: fn(&DeliveryResult) -> f64| deliveries.iter().map(value).fold(0.0, Add::add);
+    Metrics {
         collisions: deliveries.iter().map(|d| d.collisions).sum(),
+        contact_s: sum(|d| d.contact_s),
         collisions_by_class: collisions::total(deliveries.iter().map(|d| &d.collisions_by_class)),
         encounters: deliveries
             .iter()
             .filter_map(|d| d.encounters)
             .reduce(EncounterSum::plus),
-        // Folded from +0, since the `sum()` of nothing is -0, which JSON would show.
-        path_m: deliveries
-            .iter()
-            .map(|d| d.path_m)
-            .fold(0.0, |sum, p| sum + p),
+        path_m: sum(|d| d.path_m),
         smoothness: deliveries
             .iter()
             .map(|d| d.smoothness)
@@ -56,33 +94,61 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
             0.0
         },
         ..Metrics::default()
-    };
-    let mut intervals = Intervals {
-        seed: totals.seed,
-        found: BTreeMap::new(),
-    };
-    // Shares of deliveries have Wilson intervals, means of ratios bootstrapped ones.
-    metrics.sr_10m = intervals.rate("sr_10m", Proportion::count(deliveries, |d| d.success_10m));
-    metrics.sr_2m = intervals.rate("sr_2m", Proportion::count(deliveries, |d| d.success_2m));
-    let correct_unit = Proportion::count(deliveries, |d| d.correct_unit);
-    metrics.correct_unit = intervals.rate("correct_unit", correct_unit);
-    metrics.srtp = totals.instructions.and_then(|i| intervals.rate("srtp", i));
-    metrics.spl_straight = intervals.mean("spl_straight", &values(deliveries, paper_ratio));
-    metrics.spl = intervals.mean("spl", &values(deliveries, strict_ratio));
-    // LSR and LSPL are computed for each sequence first, then averaged.
-    let sequences = sequences(deliveries);
-    metrics.lsr = intervals.mean("lsr", &sequence_means(&sequences, strict_success));
-    metrics.lspl = intervals.mean("lspl", &sequence_means(&sequences, strict_ratio));
-    metrics.lsr_10m = intervals.mean("lsr_10m", &sequence_means(&sequences, paper_success));
-    let paper_ratios = sequence_means(&sequences, paper_ratio);
-    metrics.lspl_straight = intervals.mean("lspl_straight", &paper_ratios);
-    metrics.intervals = intervals.found;
-    metrics
+    }
 }
 
-fn values(deliveries: &[DeliveryResult], value: fn(&DeliveryResult) -> f64) -> Vec<f64> {
-    deliveries.iter().map(value).collect()
+/// Deliveries by episode, in the order of their tasks.
+struct Episodes<'a> {
+    /// Episodes of one delivery, in which the robot starts anew.
+    singles: Vec<Vec<&'a DeliveryResult>>,
+    /// Episodes of several deliveries, each of which starts where the last one ended.
+    sequences: Vec<Vec<&'a DeliveryResult>>,
 }
+
+impl<'a> Episodes<'a> {
+    fn of(deliveries: &'a [DeliveryResult]) -> Self {
+        let mut episodes = BTreeMap::<usize, Vec<&DeliveryResult>>::new();
+        for delivery in deliveries {
+            episodes.entry(delivery.episode).or_default().push(delivery);
+        }
+        // The weights of LSR and LSPL fall with the position in the sequence.
+        let ordered = episodes.into_values().map(|mut episode| {
+            episode.sort_by_key(|d| d.task);
+            episode
+        });
+        let (singles, sequences) = ordered.partition(|episode| episode.len() == 1);
+        Self { singles, sequences }
+    }
+}
+
+/// The rates and ratios of single deliveries, or of the members of sequences.
+struct Shares {
+    sr_10m: Option<f64>,
+    spl_straight: Option<f64>,
+    sr_2m: Option<f64>,
+    sr_clean: Option<f64>,
+    correct_unit: Option<f64>,
+    spl: Option<f64>,
+}
+
+impl Shares {
+    /// Names of the metrics in results are prefixed with `prefix`.
+    fn of(episodes: &[Vec<&DeliveryResult>], prefix: &str, intervals: &mut Intervals) -> Self {
+        let mut mean =
+            |name: &str, value| intervals.deliveries(&format!("{prefix}{name}"), episodes, value);
+        Self {
+            sr_10m: mean("sr_10m", paper_success),
+            spl_straight: mean("spl_straight", paper_ratio),
+            sr_2m: mean("sr_2m", strict_success),
+            sr_clean: mean("sr_clean", clean_success),
+            correct_unit: mean("correct_unit", correct_unit),
+            spl: mean("spl", strict_ratio),
+        }
+    }
+}
+
+/// A value of a delivery, 0 to 1.
+type Value = fn(&DeliveryResult) -> f64;
 
 fn paper_success(delivery: &DeliveryResult) -> f64 {
     f64::from(delivery.success_10m)
@@ -90,6 +156,16 @@ fn paper_success(delivery: &DeliveryResult) -> f64 {
 
 fn strict_success(delivery: &DeliveryResult) -> f64 {
     f64::from(delivery.success_2m)
+}
+
+/// Strict success without a collision, nor a contact left from the delivery before.
+fn clean_success(delivery: &DeliveryResult) -> f64 {
+    let is_clean = delivery.collisions == 0 && delivery.contact_s == 0.0;
+    f64::from(delivery.success_2m && is_clean)
+}
+
+fn correct_unit(delivery: &DeliveryResult) -> f64 {
+    f64::from(delivery.correct_unit)
 }
 
 fn paper_ratio(delivery: &DeliveryResult) -> f64 {
@@ -106,50 +182,58 @@ fn strict_ratio(delivery: &DeliveryResult) -> f64 {
     path_ratio(delivery.success_2m, shortest, delivery.path_m)
 }
 
-fn sequences(deliveries: &[DeliveryResult]) -> Vec<Vec<&DeliveryResult>> {
-    let mut episodes = BTreeMap::<usize, Vec<&DeliveryResult>>::new();
-    for delivery in deliveries {
-        episodes.entry(delivery.episode).or_default().push(delivery);
-    }
-    let mut sequences: Vec<_> = episodes.into_values().filter(|e| e.len() > 1).collect();
-    // The weights of LSR and LSPL fall with the position in the sequence.
-    sequences.iter_mut().for_each(|s| s.sort_by_key(|d| d.task));
-    sequences
-}
-
-fn sequence_means(
-    sequences: &[Vec<&DeliveryResult>],
-    value: fn(&DeliveryResult) -> f64,
-) -> Vec<f64> {
-    sequences
-        .iter()
-        .filter_map(|sequence| {
-            let values: Vec<f64> = sequence.iter().map(|delivery| value(delivery)).collect();
-            sequence_mean(&values)
-        })
-        .collect()
-}
-
-/// The intervals computed so far, by name of the metric.
+/// The intervals computed so far, by name of the metric; `None` for too few episodes.
 struct Intervals {
     seed: u64,
-    found: BTreeMap<String, [f64; 2]>,
+    found: BTreeMap<String, Option<[f64; 2]>>,
 }
 
 impl Intervals {
-    /// Adds the interval of a rate; returns the rate.
+    /// Adds the interval of the share of instructions; returns the share.
     fn rate(&mut self, name: &str, proportion: Proportion) -> Option<f64> {
-        let interval = wilson_interval(proportion.successes, proportion.trials);
-        self.found.extend(interval.map(|i| (name.to_owned(), i)));
-        proportion.rate()
+        let rate = proportion.rate()?;
+        self.found
+            .insert(name.to_owned(), rate_interval(proportion));
+        Some(rate)
     }
 
-    /// Adds the interval of a mean; returns the mean.
-    fn mean(&mut self, name: &str, values: &[f64]) -> Option<f64> {
-        let interval = bootstrap_interval(values, self.seed);
-        self.found.extend(interval.map(|i| (name.to_owned(), i)));
+    /// Adds the interval of the mean over all deliveries of some episodes; returns the mean.
+    fn deliveries(
+        &mut self,
+        name: &str,
+        episodes: &[Vec<&DeliveryResult>],
+        value: Value,
+    ) -> Option<f64> {
+        let values: Vec<Vec<f64>> = episodes
+            .iter()
+            .map(|episode| episode.iter().map(|d| value(d)).collect())
+            .collect();
+        self.clusters(name, &values)
+    }
+
+    /// Adds the interval of the mean over sequences, each of which has the weighted mean of its
+    /// deliveries; returns the mean.
+    fn sequences(
+        &mut self,
+        name: &str,
+        sequences: &[Vec<&DeliveryResult>],
+        value: Value,
+    ) -> Option<f64> {
+        let weighted = |sequence: &Vec<&DeliveryResult>| {
+            let values: Vec<f64> = sequence.iter().map(|d| value(d)).collect();
+            sequence_mean(&values).map(|mean| vec![mean])
+        };
+        let values: Vec<Vec<f64>> = sequences.iter().filter_map(weighted).collect();
+        self.clusters(name, &values)
+    }
+
+    /// Adds the interval of the mean of clustered values; returns the mean.
+    fn clusters(&mut self, name: &str, clusters: &[Vec<f64>]) -> Option<f64> {
         // `spl` is a plain mean, whatever the metric.
-        spl(values)
+        let mean = spl(&clusters.concat())?;
+        let interval = mean_interval(clusters, self.seed);
+        self.found.insert(name.to_owned(), interval);
+        Some(mean)
     }
 }
 
@@ -181,8 +265,15 @@ mod tests {
             (None, None, None)
         );
         assert_eq!((metrics.path_m, metrics.real_time_factor), (16.0, 20.0));
-        assert_eq!(metrics.intervals["sr_10m"][1], 1.0);
+        assert_eq!(
+            metrics.intervals["sr_10m"], None,
+            "two episodes are too few"
+        );
         assert!(!metrics.intervals.contains_key("lsr"));
+        let five: Vec<_> = (0..5).map(|episode| delivery(episode, 0)).collect();
+        let intervals = summarize(&five, &totals).intervals;
+        assert_eq!(intervals["sr_10m"].unwrap()[1], 1.0);
+        assert!(intervals["spl"].is_some_and(|[low, high]| low < high));
     }
 
     #[test]
@@ -194,9 +285,16 @@ mod tests {
             .unwrap()
             .success_2m = false;
         deliveries.push(delivery(4, 0));
+        deliveries.last_mut().unwrap().collisions = 1;
         let metrics = summarize(&deliveries, &RunTotals::default());
         assert_eq!(libm::round(metrics.lsr.unwrap() * 1e4), 7558.0);
         assert_eq!(metrics.lsr_10m.map(|v| libm::round(v * 1e9)), Some(1e9));
+        // Singles and members are never pooled.
+        assert_eq!((metrics.sr_2m, metrics.sr_clean), (Some(1.0), Some(0.0)));
+        assert_eq!(metrics.member_sr_2m, Some(0.8));
+        assert_eq!(metrics.member_sr_clean, Some(0.8));
+        let only_members = summarize(&deliveries[..5], &RunTotals::default());
+        assert_eq!((only_members.sr_2m, only_members.spl), (None, None));
     }
 
     #[test]
@@ -204,7 +302,7 @@ mod tests {
         let metrics = summarize(
             &[],
             &RunTotals {
-                instructions: Some(Proportion::default()),
+                instructions: Some(Understood::default()),
                 ..RunTotals::default()
             },
         );

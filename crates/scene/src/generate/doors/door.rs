@@ -144,5 +144,6 @@ fn plate(out: &mut Output, door: &Doorway) {
         text: door.text.clone(),
         plate: [middle.x, middle.y, height],
         facing: door.facing,
+        doorway: Some(pose),
     });
 }

@@ -1,0 +1,115 @@
+//! What a run has that a plain run has not: whoever reads its numbers must know.
+
+use crate::plural::count;
+use crate::score::results::Results;
+use crate::suite::TargetSource;
+
+/// Everything in which a run departs from the defaults, a line each; empty for a plain run.
+pub fn departures(results: &Results) -> Vec<String> {
+    let mut lines = Vec::new();
+    if results.targets == TargetSource::Planner {
+        lines.push(
+            "targets were read from the instructions by OPEN's grammar: where it errs, so do \
+             success and SRTP"
+                .to_owned(),
+        );
+    }
+    for (key, value) in &results.settings {
+        lines.push(format!("setting {key}={value}"));
+    }
+    if let Some(memory) = &results.memory {
+        let doors = count(memory.doors, "door", "doors");
+        lines.push(format!("the agent knew {doors} from earlier runs"));
+    }
+    if results.sensors.gnss {
+        lines.push("the robot has a GNSS receiver".to_owned());
+    }
+    let traffic = results.traffic;
+    if !traffic.is_empty() {
+        lines.push(format!(
+            "traffic: {} and {}",
+            count(traffic.pedestrians, "pedestrian", "pedestrians"),
+            count(traffic.cars, "car", "cars")
+        ));
+    }
+    lines.extend(fallbacks(results));
+    lines.extend(failed_calls(results));
+    lines
+}
+
+/// The episodes of which another planner made a part.
+fn fallbacks(results: &Results) -> Option<String> {
+    let planned = results.episodes.iter().filter(|e| !e.fallbacks.is_empty());
+    let numbers: Vec<String> = planned.map(|e| e.episode.to_string()).collect();
+    (!numbers.is_empty()).then(|| {
+        format!(
+            "another planner made a part of the plan in {} of {} ({})",
+            numbers.len(),
+            count(results.episodes.len(), "episode", "episodes"),
+            numbers.join(", ")
+        )
+    })
+}
+
+fn failed_calls(results: &Results) -> Option<String> {
+    let used = results.models?;
+    (used.failed > 0).then(|| {
+        format!(
+            "{} of {} got no answer",
+            used.failed,
+            count(
+                used.calls as usize,
+                "question to a model",
+                "questions to models"
+            )
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::score::results::tests::{delivery, results};
+    use crate::score::results::{EpisodeResult, MemoryUse};
+    use openbench_core::{Fallback, ModelUse, PlanPart};
+
+    #[test]
+    fn a_plain_run_has_none() {
+        assert!(departures(&results(vec![delivery(0, 0)])).is_empty());
+    }
+
+    #[test]
+    fn everything_that_changes_what_numbers_mean_is_named() {
+        let mut run = results(vec![delivery(0, 0)]);
+        run.targets = TargetSource::Planner;
+        run.settings.insert("localizer".into(), "truth".into());
+        run.memory = Some(MemoryUse { doors: 3 });
+        run.sensors.gnss = true;
+        run.traffic.cars = 2;
+        run.episodes = vec![EpisodeResult {
+            fallbacks: vec![Fallback {
+                part: PlanPart::Addresses,
+                from: "grammar".into(),
+                because: "no answer".into(),
+            }],
+            ..EpisodeResult::default()
+        }];
+        run.models = Some(ModelUse {
+            calls: 2,
+            failed: 1,
+            ..ModelUse::default()
+        });
+        let all = departures(&run).join("\n");
+        for part in [
+            "grammar",
+            "localizer=truth",
+            "3 doors",
+            "GNSS",
+            "0 pedestrians and 2 cars",
+            "in 1 of 1 episode (0)",
+            "1 of 2 questions to models got no answer",
+        ] {
+            assert!(all.contains(part), "{part}: {all}");
+        }
+    }
+}
