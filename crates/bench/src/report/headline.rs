@@ -54,10 +54,15 @@ pub(super) fn beside(metrics: &Metrics) -> Vec<Headline> {
 /// The metrics of the deliveries in sequences, by both criteria.
 pub(super) fn members(metrics: &Metrics) -> Vec<Headline> {
     present([
-        headline("SR paper", "member_sr_10m", metrics.member_sr_10m),
-        headline("SR strict", "member_sr_2m", metrics.member_sr_2m),
-        headline("SPL strict", "member_spl", metrics.member_spl),
+        headline("paper SR", "member_sr_10m", metrics.member_sr_10m),
+        headline(
+            "paper SPL",
+            "member_spl_straight",
+            metrics.member_spl_straight,
+        ),
         headline("clean SR", "member_sr_clean", metrics.member_sr_clean),
+        headline("strict SR", "member_sr_2m", metrics.member_sr_2m),
+        headline("strict SPL", "member_spl", metrics.member_spl),
     ])
 }
 

@@ -103,23 +103,24 @@ fn rate(m: &Metrics, Headline { key, value, .. }: Headline) -> String {
     format!("{} %{}", percent(value), interval.unwrap_or_default())
 }
 
-/// A line with some metrics, in columns; none without metrics.
-fn rates(out: &mut String, m: &Metrics, name: &str, metrics: &[Headline]) {
-    if metrics.is_empty() {
-        return;
+/// Lines with some metrics, `columns` in each; none without metrics.
+fn rates(out: &mut String, m: &Metrics, name: &str, metrics: &[Headline], columns: usize) {
+    for (i, line) in metrics.chunks(columns).enumerate() {
+        let cells: String = line
+            .iter()
+            .map(|metric| format!("  {} {}", metric.label, pad(&rate(m, *metric), 16)))
+            .collect();
+        let name = if i == 0 { name } else { "" };
+        let _ = writeln!(out, "{}", format!("{name:<7}{cells}").trim_end());
     }
-    let columns: String = metrics
-        .iter()
-        .map(|metric| format!("  {} {}", metric.label, pad(&rate(m, *metric), 16)))
-        .collect();
-    let _ = writeln!(out, "{}", format!("{name:<7}{columns}").trim_end());
 }
 
 fn summary(out: &mut String, m: &Metrics) {
-    rates(out, m, "paper", &headline::paper(m));
-    rates(out, m, "strict", &headline::strict(m));
-    rates(out, m, "member", &headline::members(m));
-    rates(out, m, "also", &headline::beside(m));
+    rates(out, m, "paper", &headline::paper(m), 4);
+    rates(out, m, "strict", &headline::strict(m), 4);
+    // Their labels are longer: four would not fit.
+    rates(out, m, "member", &headline::members(m), 3);
+    rates(out, m, "also", &headline::beside(m), 3);
     if let Some(sum) = m.localization {
         let _ = writeln!(
             out,
@@ -233,6 +234,10 @@ mod tests {
         (failed.failure, failed.success_2m) = (Some(FailureCause::PlannerUnavailable), false);
         (failed.path_m, failed.distance_to_door_m) = (1234.5, None);
         let mut results = results(vec![delivery(0, 0), failed]);
+        // Enough singles and sequences for intervals everywhere.
+        let more = (1..20).flat_map(|episode| (0..episode % 3).map(move |task| (episode, task)));
+        let more = more.map(|(episode, task)| delivery(episode, task));
+        results.deliveries.extend(more.filter(|d| d.episode != 11));
         results.metrics = summarize(&results.deliveries, &RunTotals::default());
         let table = terminal_table(&results);
         for line in table.lines() {
@@ -241,7 +246,8 @@ mod tests {
         }
         assert!(table.contains("  0.0  unit1, building3"), "{table}");
         assert!(table.contains("planner unavailable"), "{table}");
-        assert!(table.contains("strict   SR 50.0 %"), "{table}");
+        assert!(table.contains("strict   SR 88.9 % ["), "{table}");
+        assert!(table.contains("member   paper SR 100.0 % ["), "{table}");
     }
 
     #[test]
