@@ -60,21 +60,7 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
             HEIGHT_PX - 5.0
         );
     }
-    for span in health_spans(&errors) {
-        if span.health == Health::Good {
-            continue;
-        }
-        let (from, to) = (x(span.from_s), x(span.to_s));
-        let _ = writeln!(
-            out,
-            "<rect class=\"doubt\" x=\"{from:.1}\" y=\"10\" width=\"{:.1}\" height=\"{:.1}\">\
-             <title>{}</title></rect>",
-            // A single pose would not be seen.
-            (to - from).max(1.0),
-            HEIGHT_PX - BOTTOM_PX - 10.0,
-            escape(&span.health.to_string()),
-        );
-    }
+    shade_doubt(out, &errors, x);
     let mut line = String::new();
     // The maximum of each stretch, not a sample of it: thinning must not hide a peak.
     for stretch in errors.chunks(errors.len().div_ceil(MAX_POINTS)) {
@@ -98,6 +84,25 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
         sum.max_yaw_rad.to_degrees(),
         health_note(&errors, sum.silent_divergences),
     );
+}
+
+/// Shades the times in which the agent did not trust its pose; `x` places a time on the axis.
+fn shade_doubt(out: &mut String, errors: &[PoseError], x: impl Fn(f64) -> f64) {
+    for span in health_spans(errors) {
+        if span.health == Health::Good {
+            continue;
+        }
+        let (from, to) = (x(span.from_s), x(span.to_s));
+        let _ = writeln!(
+            out,
+            "<rect class=\"doubt\" x=\"{from:.1}\" y=\"10\" width=\"{:.1}\" height=\"{:.1}\">\
+             <title>{}</title></rect>",
+            // A single pose would not be seen.
+            (to - from).max(1.0),
+            HEIGHT_PX - BOTTOM_PX - 10.0,
+            escape(&span.health.to_string()),
+        );
+    }
 }
 
 /// What the agent reported about its pose, in words.

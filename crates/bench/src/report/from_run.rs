@@ -86,7 +86,7 @@ fn episode_report(
         true_doors: doors
             .map(|(i, d)| DoorMark {
                 address: d.address.clone(),
-                position: d.point(),
+                position: d.entrance().point(),
                 wanted: wanted(i),
             })
             .collect(),

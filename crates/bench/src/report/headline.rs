@@ -33,7 +33,7 @@ pub(super) fn strict(metrics: &Metrics) -> [Headline; 4] {
     ]
 }
 
-/// What is reported beside: deliveries in sequences, success without contacts, right doors.
+/// Further shares of single deliveries, and SRTP.
 pub(super) fn beside(metrics: &Metrics) -> Vec<Headline> {
     let all = [
         headline("clean SR", "sr_clean", metrics.sr_clean),

@@ -87,7 +87,7 @@ fn notes(out: &mut String, results: &Results) {
     if departures.is_empty() {
         return;
     }
-    out.push_str("<section class=\"departures\">\n<h2>Not as by default</h2>\n<ul>\n");
+    out.push_str("<section class=\"departures\">\n<h2>Departures from the defaults</h2>\n<ul>\n");
     for line in departures {
         let _ = writeln!(out, "<li>{}</li>", escape(&line));
     }
@@ -155,12 +155,12 @@ fn fallbacks(out: &mut String, episode: &EpisodeResult) {
     } in &episode.fallbacks
     {
         let part = match part {
-            PlanPart::Addresses => "doors",
-            PlanPart::Order => "order",
+            PlanPart::Addresses => "doors were chosen",
+            PlanPart::Order => "order was chosen",
         };
         let _ = writeln!(
             out,
-            "<p class=\"plan bad\">The {part} are by the planner {}: {}</p>",
+            "<p class=\"plan bad\">The {part} by the planner {}: {}</p>",
             escape(from),
             escape(because)
         );
@@ -206,13 +206,14 @@ fn reproduction(out: &mut String, input: &ReportInput<'_>) {
     out.push_str("</section>\n");
 }
 
-const READING: &str = "<p class=\"note\">SR is the share of successful deliveries. \
+const READING: &str = "<p class=\"note\">SR is the share of successful single deliveries. \
     SPL weights each success by the ratio of the shortest path to the driven path. \
     LSR and LSPL are the same over sequences, where earlier deliveries have larger weights. \
     <b>Paper</b>: declared within 10 m of the plate; the shortest path is a straight line. \
     <b>Strict</b>: declared within 2 m of the correct door's approach point and closer to it than \
     to any other door's; the shortest path is the one that the robot can drive. \
-    Intervals are 95 %: Wilson for rates, bootstrap for means.</p>\n";
+    Intervals are 95 %: Wilson for rates, bootstrap by episode for means, none below five \
+    episodes.</p>\n";
 
 #[cfg(test)]
 mod tests {

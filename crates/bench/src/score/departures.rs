@@ -1,16 +1,16 @@
-//! What a run has that a plain run has not: whoever reads its numbers must know.
+//! Departures of a run from the defaults. A reader needs them to interpret its numbers.
 
 use crate::plural::count;
 use crate::score::results::Results;
 use crate::suite::TargetSource;
 
-/// Everything in which a run departs from the defaults, a line each; empty for a plain run.
+/// The departures of a run, a line each; empty for a run with all defaults.
 pub fn departures(results: &Results) -> Vec<String> {
     let mut lines = Vec::new();
     if results.targets == TargetSource::Planner {
         lines.push(
-            "targets were read from the instructions by OPEN's grammar: where it errs, so do \
-             success and SRTP"
+            "targets were read from the instructions by OPEN's grammar: where it errs, success \
+             and SRTP are wrong"
                 .to_owned(),
         );
     }

@@ -103,8 +103,8 @@ pub fn mean_interval(episodes: &[Vec<f64>], seed: u64) -> Option<[f64; 2]> {
 /// assert_eq!(bootstrap_interval(&episodes[..4], 1), None);
 /// ```
 pub fn bootstrap_interval(clusters: &[Vec<f64>], seed: u64) -> Option<[f64; 2]> {
-    let sums: Vec<ClusterSum> = clusters.iter().map(|c| ClusterSum::of(c)).collect();
-    let sums: Vec<ClusterSum> = sums.into_iter().filter(|sum| sum.count > 0.0).collect();
+    let filled = clusters.iter().filter(|cluster| !cluster.is_empty());
+    let sums: Vec<ClusterSum> = filled.map(|cluster| ClusterSum::of(cluster)).collect();
     if sums.len() < MIN_EPISODES {
         return None;
     }

@@ -115,6 +115,19 @@ fn table(scores: &Scores, what: &str) -> String {
             scores.fallbacks,
         );
     }
+    misunderstood(&mut text, scores);
+    let _ = write!(
+        text,
+        "\n\nThe paper's table, of other instructions, 60 runs each (not run here):"
+    );
+    for (model, srtp) in PAPER {
+        let _ = write!(text, " {model} {:.0},", 100.0 * srtp);
+    }
+    text.trim_end_matches(',').to_owned() + "\n"
+}
+
+/// Writes the first instructions with a wrong plan, and how many more there are.
+fn misunderstood(text: &mut String, scores: &Scores) {
     for wrong in scores.wrong.iter().take(SHOWN) {
         let planned: Vec<String> = wrong
             .planned
@@ -141,14 +154,6 @@ fn table(scores: &Scores, what: &str) -> String {
             scores.wrong.len() - SHOWN
         );
     }
-    let _ = write!(
-        text,
-        "\n\nThe paper's table, of other instructions, 60 runs each (not run here):"
-    );
-    for (model, srtp) in PAPER {
-        let _ = write!(text, " {model} {:.0},", 100.0 * srtp);
-    }
-    text.trim_end_matches(',').to_owned() + "\n"
 }
 
 fn difficulty(word: DifficultyArg) -> Difficulty {

@@ -15,7 +15,7 @@ use openbench_osm::{Location, OsmData, OsmMap, locate};
 use serde::Serialize;
 
 use super::{Case, Difficulty, MapName};
-use openbench_bench::score::statistics::wilson_interval;
+use openbench_bench::score::statistics::{Proportion, rate_interval};
 
 /// The SRTP of a group of instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -26,7 +26,7 @@ pub struct Share {
     pub right: usize,
     /// Share of right plans; null without instructions.
     pub srtp: Option<f64>,
-    /// 95 % Wilson interval of the share.
+    /// 95 % Wilson interval of the share; null below five instructions.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -35,7 +35,10 @@ impl Share {
         self.instructions += 1;
         self.right += usize::from(right);
         self.srtp = Some(self.right as f64 / self.instructions as f64);
-        self.interval = wilson_interval(self.right, self.instructions);
+        self.interval = rate_interval(Proportion {
+            successes: self.right,
+            trials: self.instructions,
+        });
     }
 }
 

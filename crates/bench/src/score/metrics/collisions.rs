@@ -85,7 +85,7 @@ pub fn by_class<'a>(
     sums
 }
 
-/// The time in contact with anything, seconds; contacts with two classes at once count twice.
+/// The time in contact with anything, seconds.
 pub fn contact_s(sums: &BTreeMap<String, CollisionSum>) -> f64 {
     // Folded from +0, since the `sum()` of nothing is -0, which JSON would show.
     sums.values().fold(0.0, |all, sum| all + sum.contact_s)
