@@ -117,6 +117,48 @@ path.display(), at.x, at.y
     /// Results cannot be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// The run was asked to stop before its end.
+    #[error("the run was interrupted")]
+    Interrupted,
+    /// Another process writes to the folder.
+    #[error(
+        "another run writes to {}; wait for its end, or choose another folder with --out",
+        folder.display()
+    )]
+    Busy {
+        /// The folder of the run.
+        folder: PathBuf,
+    },
+    /// The folder contains a run that was interrupted.
+    #[error(
+        "{folder} contains an interrupted run with {finished} of {episodes} episodes finished; \
+         continue it with `openbench run --resume {folder}`, or remove it with --discard",
+        folder = folder.display()
+    )]
+    Unfinished {
+        /// The folder of the run.
+        folder: PathBuf,
+        /// Number of finished episodes.
+        finished: usize,
+        /// Number of all episodes.
+        episodes: usize,
+    },
+    /// An interrupted run would continue otherwise than it began.
+    #[error("the run in {} cannot be continued: {difference}", folder.display())]
+    CannotResume {
+        /// The folder of the run.
+        folder: PathBuf,
+        /// What is otherwise.
+        difference: String,
+    },
+    /// A file of a run does not follow from its recordings.
+    #[error("{} is not what the run gives: {detail}", path.display())]
+    Altered {
+        /// The file.
+        path: PathBuf,
+        /// The first difference.
+        detail: String,
+    },
     /// A repeated episode differs from its recording.
     #[error("episode {episode} differs from its recording: {detail}")]
     Differs {

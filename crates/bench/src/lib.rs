@@ -30,11 +30,13 @@ pub mod worlds;
 pub use error::BenchError;
 pub use openbench_sim::traffic::TrafficPlan;
 pub use run::{
-    AgentFactory, AgentRequest, Agents, Faults, FixNoise, FixNoiseError, ImuRange, Level,
-    MEMORY_BEFORE, Observer, Rollout, RunRequest, SimulatedFixes, Status, TruthHandle,
-    TruthLocalizer, memory_of, repeat, run,
+    AgentFactory, AgentRequest, Agents, Faults, FixNoise, FixNoiseError, ImuRange, InterruptedRun,
+    Level, MEMORY_BEFORE, Observer, Rollout, RunRecord, RunRequest, SimulatedFixes, Status,
+    TruthHandle, TruthLocalizer, UNFINISHED, Unfinished, interrupted, memory_of, repeat, run,
+    verify,
 };
 pub use score::Results;
+pub use score::provenance::{Build, ModelDigest, Setting};
 pub use suite::builtin::builtin_suites;
 pub use suite::{Episode, Sensors, Suite, TargetSource, WorldSource};
 pub use trace::EpisodeTrace;

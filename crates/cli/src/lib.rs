@@ -38,6 +38,7 @@
 //! | `help` | help texts that list agents and parts |
 //! | `open_agent` | OPEN as an agent of the benchmark |
 //! | [`outcome`] | exit codes, in one place |
+//! | `signals` | SIGINT and SIGTERM end a run in order |
 
 pub mod args;
 pub mod commands;
@@ -47,6 +48,7 @@ mod help;
 mod open_agent;
 pub mod outcome;
 mod progress;
+mod signals;
 
 use std::process::ExitCode;
 
@@ -55,7 +57,7 @@ use clap::FromArgMatches as _;
 pub use extensions::{ExtensionError, Extensions};
 pub use openbench_agents::open::parts::{Fixes, FixesPart, LocalizerPart, PartError};
 pub use openbench_bench::run::registry::AgentError;
-pub use openbench_bench::{AgentFactory, AgentRequest};
+pub use openbench_bench::{AgentFactory, AgentRequest, Build, ModelDigest, Setting};
 
 use args::{Args, Command};
 use outcome::Outcome;
@@ -77,6 +79,14 @@ pub fn main_with(extensions: Extensions) -> ExitCode {
     };
     let checked = extensions.checked().map_err(anyhow::Error::from);
     outcome::exit(checked.and_then(|()| dispatch(args.command, &extensions)))
+}
+
+/// The commit and the platform that this program is built from and for.
+fn build() -> Build {
+    Build {
+        commit: env!("OPENBENCH_COMMIT").to_owned(),
+        target: env!("OPENBENCH_TARGET").to_owned(),
+    }
 }
 
 fn dispatch(command: Command, extensions: &Extensions) -> anyhow::Result<Outcome> {

@@ -1,17 +1,20 @@
 //! OPEN as an agent of the benchmark: made from settings, and compared with the truth where the
 //! settings ask for that by name.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use openbench_agents::Open;
 use openbench_agents::open::parts::{FixesPart, LocalizerPart, MakeFixes, PartError};
-use openbench_agents::open::{Catalogue, Models, Settings};
+use openbench_agents::open::settings::DEFAULT_READER;
+use openbench_agents::open::{Catalogue, Choices, Models, Settings};
 use openbench_bench::run::registry::{AgentError, AgentSettings};
 use openbench_bench::{
-    AgentFactory, AgentRequest, FixNoise, SimulatedFixes, TruthHandle, TruthLocalizer,
+    AgentFactory, AgentRequest, FixNoise, ModelDigest, Setting, SimulatedFixes, TruthHandle,
+    TruthLocalizer,
 };
 use openbench_core::Agent;
-use openbench_models::{ModelSpec, ModelStore, PullEvent};
+use openbench_models::{CATALOGUE, ModelFile, ModelSpec, ModelStore, PullEvent};
 use openbench_vision::readers::model_files;
 
 /// The name of the agent.
@@ -94,6 +97,28 @@ impl AgentFactory for OpenFactory {
             ModelStore::from_environment()?.download(files, observer)?;
         }
         Ok(())
+    }
+
+    fn in_force(&self, settings: &AgentSettings) -> BTreeMap<String, Setting> {
+        let choices = self.catalogue.choices().into_iter();
+        let setting = |choices: Choices| {
+            let value = settings.get(choices.key).unwrap_or(&choices.default);
+            let setting = Setting::new(value.clone(), &choices.default);
+            (choices.key.to_owned(), setting)
+        };
+        choices.map(setting).collect()
+    }
+
+    fn models(&self, settings: &AgentSettings) -> Vec<ModelDigest> {
+        let list = settings.get("reader");
+        let list = list.map_or(DEFAULT_READER, String::as_str);
+        let sets = model_files(&self.catalogue.readers, list);
+        let files = CATALOGUE.iter().filter(|file| sets.contains(&file.set));
+        let digest = |file: &ModelFile| ModelDigest {
+            name: file.name.to_owned(),
+            sha256: file.sha256.to_owned(),
+        };
+        files.map(digest).collect()
     }
 
     fn inputs(&self, settings: &AgentSettings) -> Vec<PathBuf> {
@@ -180,6 +205,21 @@ mod tests {
             ("planner", "truth")
         ]));
         assert!(!uses(&[("localizer", "truthful")]));
+    }
+
+    #[test]
+    fn all_settings_in_force_are_named_with_their_defaults() {
+        let open = OpenFactory::new(Catalogue::default());
+        let words = [("localizer", "truth"), ("motion", "teb"), ("planner", "m")];
+        let in_force = open.in_force(&settings(&words));
+        assert_eq!(in_force["localizer"], Setting::new("truth", "fused"));
+        assert!(in_force["motion"].default && in_force["budget"].default);
+        assert!(!in_force["planner"].default);
+        // Each default is a value that can be set, and means the same as no setting.
+        let words = in_force.iter().filter(|(_, setting)| setting.default);
+        let words = words.map(|(key, setting)| (key.clone(), setting.value.clone()));
+        let spelled_out = Settings::parse(&words.collect());
+        assert_eq!(spelled_out.unwrap(), Settings::default());
     }
 
     #[test]

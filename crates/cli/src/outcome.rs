@@ -1,5 +1,6 @@
 //! Exit codes. 0: done (a failed delivery is a result, not an error). 1: an episode could not be
-//! completed, `verify` differs, or `plan` reports a problem. 2: bad usage or bad input.
+//! completed, `verify` differs, or `plan` reports a problem. 2: bad usage or bad input. 130, 143: a
+//! run was stopped by SIGINT or SIGTERM.
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -14,6 +15,8 @@ pub enum Outcome {
     Done,
     /// Done, and what was found is a problem.
     Problem,
+    /// Stopped in order by the signal of this number.
+    Stopped(u8),
 }
 
 /// What clap says about a command line; `--help` and `--version` are no errors.
@@ -32,6 +35,8 @@ pub fn exit(result: anyhow::Result<Outcome>) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Problem) => ExitCode::from(1),
+        // As shells report processes that a signal has ended.
+        Ok(Outcome::Stopped(signal)) => ExitCode::from(128 + signal),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             // Not `eprintln!`, which panics if stderr cannot be written.
@@ -46,7 +51,12 @@ fn is_failed_run(error: &anyhow::Error) -> bool {
     // errors are of usage or input.
     matches!(
         error.downcast_ref(),
-        Some(BenchError::Differs { .. } | BenchError::Log(_) | BenchError::Unreachable { .. })
+        Some(
+            BenchError::Differs { .. }
+                | BenchError::Altered { .. }
+                | BenchError::Log(_)
+                | BenchError::Unreachable { .. }
+        )
     )
 }
 

@@ -405,7 +405,11 @@ fn the_truth_as_localizer_is_named_in_the_results() {
     )
     .succeeded()
     .json();
-    assert_eq!(results["settings"]["localizer"], "truth");
+    let setting = &results["settings"]["localizer"];
+    assert_eq!(
+        (&setting["value"], &setting["default"]),
+        (&"truth".into(), &false.into())
+    );
     assert!(
         results["deliveries"][0]["pose_error_m"].as_f64().unwrap() < 0.05,
         "{results}"

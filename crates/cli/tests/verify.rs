@@ -35,7 +35,7 @@ fn a_run_repeats_to_the_bit() {
     let ran = place.openbench("verify run");
     assert_eq!(
         ran.succeeded().stdout,
-        "run: 2 episodes repeat to the bit\n"
+        "run: 2 episodes: files and actions agree\n"
     );
 }
 
@@ -161,18 +161,17 @@ fn an_agent_repeats_what_it_did_without_its_models() {
     let ran = place.openbench("verify run --agent --jobs 2");
     assert_eq!(
         ran.succeeded().stdout,
-        "run: the agent of 2 episodes repeats to the bit\n"
+        "run: 2 episodes: files and actions agree, and the agent repeats them\n"
     );
     let answers = place.read("run/episodes/000.models.jsonl");
     assert!(answers.lines().count() > 4, "{answers}");
-    // A model that had said something else would have led elsewhere.
     place.file(
         "run/episodes/000.models.jsonl",
         answers.replace("UNIT 1", "UNIT 7"),
     );
     let ran = place.openbench("verify run --agent");
     assert!(
-        ran.code == 1 && ran.stderr.contains("at step"),
+        ran.code == 1 && ran.stderr.contains("record of answers"),
         "{}",
         ran.stderr
     );
@@ -219,7 +218,7 @@ fn a_run_whose_answers_are_gone_is_not_asked_again() {
 }
 
 #[test]
-fn what_a_run_is_to_read_is_not_cleared_by_it() {
+fn what_a_run_is_to_read_is_not_replaced_by_it() {
     let place = town();
     let reader = reader_that_says(UNIT_1);
     deliver(
@@ -232,7 +231,7 @@ fn what_a_run_is_to_read_is_not_cleared_by_it() {
         &place,
         &format!("--deliveries one.txt --targets planner --out run --set reader=replay:{answers}"),
     )
-    .refused_with(&["is cleared", "--out"]);
+    .refused_with(&["is replaced", "--out"]);
     assert!(place.path(answers).exists());
     deliver(
         &place,

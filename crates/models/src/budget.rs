@@ -21,6 +21,18 @@ pub struct Budget {
     pub seconds: u32,
 }
 
+/// As it is written in settings: `CALLS,TOKENS,SECONDS`.
+impl std::fmt::Display for Budget {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            calls,
+            tokens,
+            seconds,
+        } = self;
+        write!(f, "{calls},{tokens},{seconds}")
+    }
+}
+
 impl Default for Budget {
     /// Enough to read a plate from each place of a mission, and few enough that an endless loop
     /// does not become expensive.

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use openbench_bench::run::registry::AgentError;
-use openbench_bench::{AgentRequest, BenchError};
+use openbench_bench::{AgentRequest, BenchError, Build};
 use openbench_core::{
     Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation, with_causes,
 };
@@ -52,6 +52,7 @@ fn run_towns(
     let seen = RefCell::new(Vec::new());
     let progress = |_: &_, was_done| seen.borrow_mut().push(was_done);
     let towns = run(&TownsRequest {
+        build: &Build::default(),
         plan,
         windows,
         factory: &factory,

@@ -4,7 +4,6 @@ use openbench_core::MapPoint;
 use openbench_geometry::Polygon;
 
 use super::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
-use crate::image_file;
 use crate::score::results::Results;
 use crate::trace::{EpisodeTrace, Frame};
 use crate::worlds::{Prepared, PreparedEpisode};
@@ -121,9 +120,9 @@ fn frames(trace: &EpisodeTrace) -> Vec<PlateFrame> {
         let best = read.max_by(|a, b| a.confidence.total_cmp(&b.confidence))?;
         Some(PlateFrame {
             // Without the image, the text that was read is still of use.
-            jpeg: image_file::jpeg(&f.image).unwrap_or_default(),
-            width: f.image.width,
-            height: f.image.height,
+            jpeg: f.jpeg.clone(),
+            width: f.width,
+            height: f.height,
             time: f.time,
             text: best.text.clone(),
             confidence: best.confidence,

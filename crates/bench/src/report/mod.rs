@@ -175,11 +175,21 @@ fn reproduction(out: &mut String, input: &ReportInput<'_>) {
         ("agent", results.agent.clone()),
         ("seed", results.seed.to_string()),
     ];
-    let set = results
-        .settings
-        .iter()
-        .map(|(k, v)| (k.as_str(), v.clone()));
-    for (key, value) in fixed.into_iter().chain(set) {
+    let build = &results.provenance.build;
+    let made = [
+        ("commit", build.commit.clone()),
+        ("platform", build.target.clone()),
+        (
+            "world (BLAKE3)",
+            shortened(&results.provenance.hashes.world),
+        ),
+        ("map (BLAKE3)", shortened(&results.provenance.hashes.map)),
+    ];
+    let set = results.settings.iter().map(|(key, setting)| {
+        let mark = if setting.default { " (default)" } else { "" };
+        (key.as_str(), format!("{}{mark}", setting.value))
+    });
+    for (key, value) in fixed.into_iter().chain(set).chain(made) {
         let _ = writeln!(
             out,
             "<div><dt>{}</dt><dd>{}</dd></div>",
@@ -206,6 +216,11 @@ fn reproduction(out: &mut String, input: &ReportInput<'_>) {
     out.push_str("</section>\n");
 }
 
+/// The first digits of a hash, which tell two files apart for people.
+fn shortened(hash: &str) -> String {
+    hash.chars().take(16).collect()
+}
+
 const READING: &str = "<p class=\"note\">SR is the share of successful single deliveries. \
     SPL weights each success by the ratio of the shortest path to the driven path. \
     LSR and LSPL are the same over sequences, where earlier deliveries have larger weights. \
@@ -218,6 +233,7 @@ const READING: &str = "<p class=\"note\">SR is the share of successful single de
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::score::provenance::Setting;
     use crate::score::results::tests::{delivery, results};
     use openbench_core::{MapPoint, Pose2};
 
@@ -249,7 +265,9 @@ mod tests {
         hostile.failure_detail = Some("\"><img src=x>".into());
         let mut results = results(vec![hostile]);
         results.suite = "a<b".into();
-        results.settings.insert("<k>".into(), "<v>".into());
+        results
+            .settings
+            .insert("<k>".into(), Setting::new("<v>", ""));
         results.attribution.push("© <OSM>".into());
         let input = ReportInput {
             results: &results,

@@ -131,10 +131,12 @@ fn summary(out: &mut String, m: &Metrics) {
     }
     let _ = writeln!(
         out,
-        "drive    {:.1} m in {:.0} s of simulated time, real-time factor {:.1}, {}",
+        "drive    {:.1} m in {:.0} s of simulated time, {}{}",
         m.path_m,
         m.sim_seconds,
-        m.real_time_factor,
+        m.real_time_factor.map_or(String::new(), |factor| format!(
+            "real-time factor {factor:.1}, "
+        )),
         collisions(m)
     );
     let _ = writeln!(out, "motion   {}", m.smoothness.describe(m.path_m));

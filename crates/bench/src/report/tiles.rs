@@ -113,7 +113,7 @@ fn facts(out: &mut String, results: &Results) {
     facts.push(("Simulated".to_owned(), duration(m.sim_seconds)));
     facts.push((
         "Real-time factor".to_owned(),
-        format!("{} ×", number(Some(m.real_time_factor), 1)),
+        format!("{} ×", number(m.real_time_factor, 1)),
     ));
     if let Some(doors) = results.doors {
         facts.push(("Doors on the map".to_owned(), doors.describe()));

@@ -5,44 +5,105 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
-use openbench_core::{Agent, FailureCause};
+use openbench_core::{Agent, FailureCause, Velocity};
 use openbench_models::Exchanges;
+use openbench_sim::Simulator;
 use sha2::{Digest, Sha256};
 
 use crate::BenchError;
+use crate::report;
 use crate::run::episode::run_episode;
-use crate::run::folder::{create_folder, exchanges_path, log_path, write_files};
-use crate::run::output::{MachineTimes, RunOutput};
+use crate::run::files::{
+    REPORT, RESULTS, actions_path, exchanges_path, log_path, map_path, read_file, remove_files_of,
+    write_file,
+};
+use crate::run::folder::{RunFolder, interrupted};
+use crate::run::observer::Observer;
+use crate::run::output::{FinishedRun, MachineTimes, RunOutput};
+use crate::run::record::RunRecord;
 use crate::run::recorder::Recorder;
-use crate::run::recording::Recording;
+use crate::run::recording::{FileHashes, Recording, replay};
 use crate::run::registry::{AgentFactory, AgentRequest, AgentSettings};
-use crate::run::request::RunRequest;
+use crate::run::request::{RunRequest, Unfinished};
 use crate::run::rollout::Rollout;
 use crate::run::threads;
 use crate::run::truth::TruthHandle;
+use crate::score::results::Results;
 use crate::trace::EpisodeTrace;
+use crate::worlds::Prepared;
 
 /// Runs all episodes of a suite and writes the run's files.
 ///
-/// Files of an earlier run in the same folder are removed first.
+/// Files of an earlier run in the same folder are replaced when the new ones are complete. What an
+/// interrupted run leaves can be resumed, see [`RunRequest::unfinished`].
 ///
 /// # Errors
-/// The error of the first episode that cannot be finished, or of a file that cannot be written.
+/// The error of the first episode that cannot be finished, or of a file that cannot be written;
+/// [`BenchError::Busy`] while another process writes to the folder; [`BenchError::Interrupted`].
 pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
-    let began = Instant::now();
-    if let Some(out) = request.out {
-        // An agent that refuses its settings must not cost the results of the run before. This one
-        // is dropped: that of episode 0 keeps its models' answers in the new folder.
-        if !request.prepared.episodes.is_empty() {
-            make(request, 0, Exchanges::Unkept)?;
+    let record = RunRecord::of(request)?;
+    match request.out {
+        None => Ok(drive_all(request, &record, None)?),
+        Some(out) => {
+            let folder = RunFolder::lock(out)?;
+            begin(request, &record, &folder, out)?;
+            let output = drive_all(request, &record, Some(&folder.unfinished()))?;
+            if let Some(path) = request.memory_file {
+                write_file(path, &output.memory.to_xml())?;
+            }
+            folder.publish()?;
+            Ok(output)
         }
-        create_folder(out)?;
     }
+}
+
+/// Begins a run in its folder, or checks that the one there can be resumed.
+fn begin(
+    request: &RunRequest<'_>,
+    record: &RunRecord,
+    folder: &RunFolder,
+    out: &Path,
+) -> Result<(), BenchError> {
+    let left = interrupted(out)?;
+    match (request.unfinished, left) {
+        (Unfinished::Resume, Some(left)) => match left.record.difference(record) {
+            Some(difference) => Err(BenchError::CannotResume {
+                folder: out.to_owned(),
+                difference,
+            }),
+            None => Ok(()),
+        },
+        (Unfinished::Keep, Some(left)) if left.finished > 0 => Err(BenchError::Unfinished {
+            folder: out.to_owned(),
+            finished: left.finished,
+            episodes: left.record.episodes,
+        }),
+        _ => folder.begin(record, request.memory),
+    }
+}
+
+/// Runs the episodes; files go into the folder `into`.
+fn drive_all(
+    request: &RunRequest<'_>,
+    record: &RunRecord,
+    into: Option<&Path>,
+) -> Result<RunOutput, BenchError> {
+    let began = Instant::now();
     // CPU time of the whole process: plate readers may have threads of their own.
     let cpu = ProcessTime::now();
-    let reached = AtomicBool::new(false);
+    let (reached, resumed) = (AtomicBool::new(false), AtomicBool::new(false));
+    let sealed_with = resumed_record(request, record, into)?;
+    let record = sealed_with.as_ref().unwrap_or(record);
     let traces = for_each_episode(request, |number| {
-        let trace = run_one(request, number)?;
+        let finished = into.and_then(|run| finished_episode(request, record, run, number));
+        let trace = match finished {
+            Some(trace) => {
+                // Relaxed suffices: the flag is read after all threads have ended.
+                resumed.store(true, Ordering::Relaxed);
+                trace
+            }
+            None => run_one(request, record, into, number)?,
+        };
         check_reached(&trace, number, &reached)?;
         Ok(trace)
     })?;
@@ -50,11 +111,83 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
         wall_seconds: began.elapsed().as_secs_f64(),
         cpu_seconds: cpu.elapsed().as_secs_f64(),
     };
-    let output = RunOutput::new(request, &traces, times);
-    if let Some(out) = request.out {
-        write_files(request, out, &traces, &output.results)?;
+    let run = FinishedRun {
+        record,
+        prepared: request.prepared,
+        memory: request.memory,
+        traces: &traces,
+        times: Some(times).filter(|_| !resumed.into_inner()),
+    };
+    let output = run.output();
+    if let Some(into) = into {
+        let report = report_of(&run, &output.results);
+        write_file(&into.join(REPORT), report.as_bytes())?;
+        output.results.write(&into.join(RESULTS))?;
     }
     Ok(output)
+}
+
+/// The record of the run that is resumed; `None` for a run that begins.
+fn resumed_record(
+    request: &RunRequest<'_>,
+    record: &RunRecord,
+    into: Option<&Path>,
+) -> Result<Option<RunRecord>, BenchError> {
+    // Its processor may be another one, and the recordings are sealed with it.
+    let into = into.filter(|_| request.unfinished == Unfinished::Resume);
+    let kept = into.map(RunRecord::read).transpose()?;
+    Ok(kept.filter(|kept| kept != record))
+}
+
+/// The report of a run.
+pub(super) fn report_of(run: &FinishedRun<'_>, results: &Results) -> String {
+    let command = &run.record.command;
+    let input = report::report_input(run.prepared, results, run.traces, command);
+    report::render(&input)
+}
+
+/// The trace of an episode that the interrupted run has finished. One whose files are damaged is
+/// driven again.
+fn finished_episode(
+    request: &RunRequest<'_>,
+    record: &RunRecord,
+    run: &Path,
+    number: usize,
+) -> Option<EpisodeTrace> {
+    let replayed = actions_path(run, number)
+        .exists()
+        .then(|| replay_sealed(request.prepared, record, run, number))?;
+    replayed.ok()
+}
+
+/// Replays an episode of a run whose files are what its recording says.
+pub(super) fn replay_sealed(
+    prepared: &Prepared,
+    record: &RunRecord,
+    run: &Path,
+    number: usize,
+) -> Result<EpisodeTrace, BenchError> {
+    let recording = Recording::read(run, number)?;
+    let differs = |detail: String| BenchError::Differs {
+        episode: number,
+        detail,
+    };
+    if recording.seed != episode_seed(record.seed, number) {
+        return Err(differs("its seed is not that of the run".to_owned()));
+    }
+    if !recording.is_sealed_by(record, number) {
+        let detail = "its seal is broken: the recording or run.json was edited";
+        return Err(differs(detail.to_owned()));
+    }
+    let files = FileHashes::of(run, number)?;
+    if let Some(kind) = recording.files.difference(&files) {
+        return Err(differs(format!("its {kind} is not the recorded one")));
+    }
+    let map = files
+        .map
+        .as_ref()
+        .map(|_| read_file(&map_path(run, number)));
+    replay(prepared, number, &recording, map.transpose()?)
 }
 
 /// Does `work` for the number of each episode, on the threads of the request, and reports progress.
@@ -89,15 +222,23 @@ fn agent_seed(episode: u64) -> u64 {
     u64::from_le_bytes(std::array::from_fn(|i| digest[i]))
 }
 
-fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, BenchError> {
-    let exchanges = request.out.map_or(Exchanges::Unkept, |out| {
-        Exchanges::Keep(exchanges_path(out, number))
+fn run_one(
+    request: &RunRequest<'_>,
+    record: &RunRecord,
+    into: Option<&Path>,
+    number: usize,
+) -> Result<EpisodeTrace, BenchError> {
+    if let Some(run) = into {
+        remove_files_of(run, number)?;
+    }
+    let exchanges = into.map_or(Exchanges::Unkept, |run| {
+        Exchanges::Keep(exchanges_path(run, number))
     });
     // Before the log is begun, so that an agent that cannot be made leaves none behind.
     let made = make(request, number, exchanges)?;
-    let mut recorder = match request.out {
-        Some(out) => Recorder::create(
-            &log_path(out, number),
+    let mut recorder = match into {
+        Some(run) => Recorder::create(
+            &log_path(run, number),
             request.level,
             request.prepared.world.georeference,
         )?,
@@ -105,8 +246,14 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
     };
     let trace = drive(request, number, made, &mut recorder)?;
     recorder.finish()?;
-    if let Some(out) = request.out {
-        Recording::of(&trace, episode_seed(request.seed, number)).write(out, number)?;
+    if let Some(run) = into {
+        if let Some(map) = &trace.map {
+            write_file(&map_path(run, number), map)?;
+        }
+        let mut recording = Recording::of(&trace, episode_seed(request.seed, number));
+        recording.files = FileHashes::of(run, number)?;
+        // Last: an episode with its recording is finished.
+        recording.sealed(record, number).write(run, number)?;
     }
     Ok(trace)
 }
@@ -191,10 +338,25 @@ fn drive(
 ) -> Result<EpisodeTrace, BenchError> {
     let Made { mut agent, truth } = made;
     let rollout = Rollout::new(request.prepared, number, episode_seed(request.seed, number))?
+        .with_observer(StopSign(request.stop))
         // Adding it stores the pose at time zero, before the agent gets its first observation.
         .with_observer(truth)
         .with_observer(recorder);
     run_episode(rollout, agent.as_mut())
+}
+
+/// Ends an episode when the run is asked to stop.
+struct StopSign<'a>(&'a AtomicBool);
+
+impl Observer for StopSign<'_> {
+    fn step(&mut self, _: &Simulator, _: Velocity) -> Result<(), BenchError> {
+        // Relaxed suffices: no other memory depends on the flag.
+        if self.0.load(Ordering::Relaxed) {
+            Err(BenchError::Interrupted)
+        } else {
+            Ok(())
+        }
+    }
 }
 
 /// The handle of the true pose if the agent uses it; otherwise an empty handle.

@@ -1,69 +1,227 @@
-//! The files in the folder of a run.
+//! The folder of a run.
 //!
 //! | file | content |
 //! |---|---|
 //! | `run.json` | the [`RunRecord`]: the parameters, sufficient to repeat the run |
-//! | `results.json` | the [`Results`] |
+//! | `results.json` | the [`Results`](crate::Results) |
 //! | `report.html` | the same with maps, for people |
 //! | [`MEMORY_BEFORE`] | the doors known before the run, if there were any |
 //! | `episodes/000.actions.json` | the [`Recording`](super::recording::Recording) of an episode |
 //! | `episodes/000.mcap` | its log |
 //! | `episodes/000.osm` | the agent's copy of the map, if it edits one |
 //! | `episodes/000.models.jsonl` | the answers of models, if it asked any |
+//! | `.lock` | held by the process that runs here |
+//!
+//! A run in progress has the same files in the folder [`UNFINISHED`] inside. When it is complete,
+//! a list of them is written there, and they take the places of the files of the run before. A
+//! process that ends in the middle of that leaves the list, so that the next one can go on.
 
+use std::collections::BTreeSet;
+use std::fs::{File, TryLockError};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use openbench_osm::{OsmData, OsmError, write_atomically};
+use openbench_osm::{OsmData, OsmError};
 
-use super::recording::RunRecord;
-use super::request::RunRequest;
+use super::files::{
+    EPISODES, REPORT, RESULTS, RUN, actions_path, is_episode_file, read_json, write_file,
+    write_json,
+};
+use super::record::RunRecord;
 use crate::BenchError;
-use crate::report::{self, report_input};
-use crate::score::results::Results;
-use crate::trace::EpisodeTrace;
 
 /// Name of the file, in a run's folder, with the doors known before the run.
 pub const MEMORY_BEFORE: &str = "memory-before.osm";
+/// Name of the folder, in a run's folder, with the files of a run that is not complete.
+pub const UNFINISHED: &str = "unfinished";
 
-/// Files of a run besides those of its episodes.
-const FILES: [&str; 4] = ["results.json", "report.html", "run.json", MEMORY_BEFORE];
-/// Folder, in a run's folder, with the files of the episodes.
-const EPISODES: &str = "episodes";
-/// Endings of an episode's files, after its number.
-const EPISODE_FILES: [&str; 4] = ["mcap", "osm", "actions.json", "models.jsonl"];
+/// Files of a run besides those of its episodes. Results come last: they take their place when
+/// all else is there.
+const FILES: [&str; 4] = [RUN, REPORT, MEMORY_BEFORE, RESULTS];
+/// Name of the list of the files of a complete run that has not taken its place yet.
+const COMPLETE: &str = "complete.json";
+/// Name of the lock's file.
+const LOCK: &str = ".lock";
 
-/// Creates the folder of a run, or removes the files of an earlier run from it and nothing else.
-/// An interrupted run must not leave a mixture of two runs.
-pub(super) fn create_folder(out: &Path) -> Result<(), BenchError> {
-    let folder = out.join(EPISODES);
-    std::fs::create_dir_all(&folder).map_err(|e| BenchError::file(&folder, e))?;
-    for name in FILES {
-        remove_if_present(&out.join(name))?;
+/// The folder of a run, for one process at a time.
+#[derive(Debug)]
+pub(super) struct RunFolder {
+    out: PathBuf,
+    /// Locked as long as it is open.
+    _lock: File,
+}
+
+impl RunFolder {
+    /// Creates the folder, keeps other processes out of it, and completes the exchange of files
+    /// that another process did not.
+    ///
+    /// # Errors
+    /// [`BenchError::Busy`] while another process runs there, or a folder that cannot be written.
+    pub(super) fn lock(out: &Path) -> Result<Self, BenchError> {
+        std::fs::create_dir_all(out).map_err(|e| BenchError::file(out, e))?;
+        let path = out.join(LOCK);
+        let failed = |e| BenchError::file(&path, e);
+        let file = File::options()
+            .create(true)
+            .truncate(false)
+            .write(true)
+            .open(&path)
+            .map_err(failed)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(BenchError::Busy {
+                    folder: out.to_owned(),
+                });
+            }
+            Err(TryLockError::Error(e)) => return Err(failed(e)),
+        }
+        let folder = Self {
+            out: out.to_owned(),
+            _lock: file,
+        };
+        if let Some(files) = complete_files(out)? {
+            folder.exchange(&files)?;
+        }
+        Ok(folder)
     }
-    // All numbers, not those of this run only: the earlier run may have had more episodes.
-    for entry in std::fs::read_dir(&folder).map_err(|e| BenchError::file(&folder, e))? {
-        let path = entry.map_err(|e| BenchError::file(&folder, e))?.path();
-        let name = path.file_name().and_then(|name| name.to_str());
-        if name.is_some_and(is_episode_file) {
-            remove_if_present(&path)?;
+
+    /// The folder of the run in progress.
+    pub(super) fn unfinished(&self) -> PathBuf {
+        self.out.join(UNFINISHED)
+    }
+
+    /// Begins a run: nothing of an interrupted one remains.
+    pub(super) fn begin(
+        &self,
+        record: &RunRecord,
+        memory: Option<&OsmData>,
+    ) -> Result<(), BenchError> {
+        let folder = self.unfinished();
+        match std::fs::remove_dir_all(&folder) {
+            Err(e) if e.kind() != ErrorKind::NotFound => return Err(BenchError::file(&folder, e)),
+            _ => {}
+        }
+        let episodes = folder.join(EPISODES);
+        std::fs::create_dir_all(&episodes).map_err(|e| BenchError::file(&episodes, e))?;
+        if let Some(memory) = memory {
+            write_file(&folder.join(MEMORY_BEFORE), &memory.to_xml())?;
+        }
+        // Last: a run with its record can be resumed.
+        record.write(&folder)
+    }
+
+    /// Puts the files of the complete run in the places of those of the run before.
+    pub(super) fn publish(&self) -> Result<(), BenchError> {
+        let folder = self.unfinished();
+        let files = run_files(&folder)?;
+        write_json(&folder.join(COMPLETE), &files)?;
+        self.exchange(&files)
+    }
+
+    /// Moves the files of a complete run. It can be repeated from any point.
+    fn exchange(&self, files: &BTreeSet<String>) -> Result<(), BenchError> {
+        let folder = self.unfinished();
+        let episodes = self.out.join(EPISODES);
+        std::fs::create_dir_all(&episodes).map_err(|e| BenchError::file(&episodes, e))?;
+        let results = |name: &String| name.as_str() == RESULTS;
+        let others = files.iter().filter(|name| !results(name));
+        // Results last.
+        for name in others.chain(files.iter().filter(|name| results(name))) {
+            let (from, to) = (folder.join(name), self.out.join(name));
+            match std::fs::rename(&from, &to) {
+                // Moved before.
+                Err(e) if e.kind() == ErrorKind::NotFound && to.exists() => {}
+                Err(e) => return Err(BenchError::file(&to, e)),
+                Ok(()) => {}
+            }
+        }
+        for name in run_files(&self.out)?.difference(files) {
+            let path = self.out.join(name);
+            std::fs::remove_file(&path).map_err(|e| BenchError::file(&path, e))?;
+        }
+        std::fs::remove_dir_all(&folder).map_err(|e| BenchError::file(&folder, e))
+    }
+}
+
+/// The files of a complete run that has not taken its place yet.
+fn complete_files(out: &Path) -> Result<Option<BTreeSet<String>>, BenchError> {
+    let path = out.join(UNFINISHED).join(COMPLETE);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let files: BTreeSet<String> = read_json(&path, "list of the files of a run")?;
+    // The list is a file like any other: it must not lead out of the folder.
+    let strange = files.iter().find(|name| !is_file_of_run(name));
+    match strange {
+        Some(name) => Err(BenchError::bad_file(
+            &path,
+            format!("`{name}` is no file of a run; remove the folder {UNFINISHED}"),
+        )),
+        None => Ok(Some(files)),
+    }
+}
+
+/// The files of a run in a folder, relative to it.
+pub(super) fn run_files(folder: &Path) -> Result<BTreeSet<String>, BenchError> {
+    let mut files: BTreeSet<String> = FILES
+        .iter()
+        .filter(|name| folder.join(name).exists())
+        .map(|name| (*name).to_owned())
+        .collect();
+    let episodes = folder.join(EPISODES);
+    let entries = match std::fs::read_dir(&episodes) {
+        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(files),
+        entries => entries.map_err(|e| BenchError::file(&episodes, e))?,
+    };
+    for entry in entries {
+        let name = entry
+            .map_err(|e| BenchError::file(&episodes, e))?
+            .file_name();
+        // All numbers: the run before may have had more episodes.
+        if let Some(name) = name.to_str().filter(|name| is_episode_file(name)) {
+            files.insert(format!("{EPISODES}/{name}"));
         }
     }
-    Ok(())
+    Ok(files)
 }
 
-/// Whether a file has the name of an episode's file: a number of three digits or more, a dot and a
-/// known ending.
-fn is_episode_file(name: &str) -> bool {
-    let (number, kind) = name.split_once('.').unwrap_or_default();
-    let is_number = number.len() >= 3 && number.bytes().all(|byte| byte.is_ascii_digit());
-    is_number && EPISODE_FILES.contains(&kind)
+fn is_file_of_run(name: &str) -> bool {
+    let episode = name
+        .strip_prefix(EPISODES)
+        .and_then(|rest| rest.strip_prefix('/'));
+    FILES.contains(&name) || episode.is_some_and(is_episode_file)
 }
 
-fn remove_if_present(path: &Path) -> Result<(), BenchError> {
-    match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(BenchError::file(path, e)),
-        _ => Ok(()),
+/// The run that was interrupted in a folder.
+#[derive(Debug)]
+pub struct InterruptedRun {
+    /// Its parameters.
+    pub record: RunRecord,
+    /// The doors that its agents knew.
+    pub memory: Option<OsmData>,
+    /// Number of episodes that it has finished.
+    pub finished: usize,
+}
+
+/// The interrupted run in the folder `out`; `None` if there is none that can be resumed.
+///
+/// # Errors
+/// A file that is damaged.
+pub fn interrupted(out: &Path) -> Result<Option<InterruptedRun>, BenchError> {
+    let folder = out.join(UNFINISHED);
+    if !folder.join(RUN).exists() {
+        return Ok(None);
     }
+    let record = RunRecord::read(&folder)?;
+    let finished = (0..record.episodes)
+        .filter(|number| actions_path(&folder, *number).exists())
+        .count();
+    Ok(Some(InterruptedRun {
+        memory: memory_of(&folder)?,
+        record,
+        finished,
+    }))
 }
 
 /// The map of earlier doors with which the agents of a recorded run started; `None` if it had none.
@@ -78,86 +236,97 @@ pub fn memory_of(run: &Path) -> Result<Option<OsmData>, BenchError> {
         .transpose()
 }
 
-/// The file with the models' answers in an episode.
-pub(super) fn exchanges_path(out: &Path, number: usize) -> PathBuf {
-    episode_path(out, number, "models.jsonl")
-}
-
-/// The log of an episode.
-pub(super) fn log_path(out: &Path, number: usize) -> PathBuf {
-    episode_path(out, number, "mcap")
-}
-
-fn episode_path(out: &Path, number: usize, ending: &str) -> PathBuf {
-    out.join(EPISODES).join(format!("{number:03}.{ending}"))
-}
-
-/// Writes the files of a finished run; logs and recordings were written during the episodes.
-pub(super) fn write_files(
-    request: &RunRequest<'_>,
-    out: &Path,
-    traces: &[EpisodeTrace],
-    results: &Results,
-) -> Result<(), BenchError> {
-    for (number, trace) in traces.iter().enumerate() {
-        if let Some(map) = &trace.map {
-            write(&episode_path(out, number, "osm"), map)?;
-        }
-    }
-    if let Some(memory) = request.memory {
-        write(&out.join(MEMORY_BEFORE), &memory.to_xml())?;
-    }
-    run_record(request).write(out)?;
-    let input = report_input(request.prepared, results, traces, request.command);
-    write(&out.join("report.html"), report::render(&input).as_bytes())?;
-    // Last: a folder with results is complete.
-    Ok(results.write(&out.join("results.json"))?)
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), BenchError> {
-    write_atomically(path, bytes).map_err(|e| BenchError::bad_file(path, e))
-}
-
-fn run_record(request: &RunRequest<'_>) -> RunRecord {
-    RunRecord {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        suite: request.prepared.suite.clone(),
-        agent: request.agent.to_owned(),
-        settings: request.settings.clone(),
-        seed: request.seed,
-        episodes: request.prepared.episodes.len(),
-        truth: request.prepared.truth.clone(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn put(folder: &Path, names: &[&str], content: &str) {
+        std::fs::create_dir_all(folder.join(EPISODES)).unwrap();
+        for name in names {
+            std::fs::write(folder.join(name), content).unwrap();
+        }
+    }
+
+    fn holds(folder: &Path, name: &str, content: &str) -> bool {
+        std::fs::read_to_string(folder.join(name)).is_ok_and(|found| found == content)
+    }
+
+    const OLD: [&str; 4] = [
+        RESULTS,
+        MEMORY_BEFORE,
+        "episodes/000.mcap",
+        "episodes/1000.actions.json",
+    ];
+    const NEW: [&str; 3] = [RESULTS, RUN, "episodes/000.actions.json"];
+    const OTHERS: [&str; 4] = [
+        "notes.txt",
+        "episodes/00.mcap",
+        "episodes/000.mcap.bak",
+        "episodes/a00.osm",
+    ];
+
+    fn check_new_alone(out: &Path) {
+        for name in NEW {
+            assert!(holds(out, name, "new"), "{name}");
+        }
+        for name in OTHERS {
+            assert!(holds(out, name, "mine"), "{name}");
+        }
+        for name in &OLD[1..] {
+            assert!(!out.join(name).exists(), "{name}");
+        }
+        assert!(!out.join(UNFINISHED).exists());
+    }
+
     #[test]
-    fn only_files_of_an_earlier_run_are_removed() {
-        let folder = tempfile::tempdir().unwrap();
-        create_folder(folder.path()).unwrap();
-        let ours = [
-            "results.json",
-            "episodes/000.mcap",
-            "episodes/1000.actions.json",
-        ];
-        let others = [
-            "notes.txt",
-            "episodes/00.mcap",
-            "episodes/000.mcap.bak",
-            "episodes/a00.osm",
-        ];
-        for name in ours.iter().chain(&others) {
-            std::fs::write(folder.path().join(name), "").unwrap();
+    fn a_complete_run_replaces_the_files_of_the_run_before_and_no_others() {
+        let place = tempfile::tempdir().unwrap();
+        let out = place.path();
+        put(out, &OLD, "old");
+        put(out, &OTHERS, "mine");
+        let folder = RunFolder::lock(out).unwrap();
+        put(&folder.unfinished(), &NEW, "new");
+        folder.publish().unwrap();
+        check_new_alone(out);
+    }
+
+    #[test]
+    fn an_exchange_that_was_interrupted_is_completed() {
+        for moved in 0..=NEW.len() {
+            let place = tempfile::tempdir().unwrap();
+            let out = place.path();
+            put(out, &OLD, "old");
+            put(out, &OTHERS, "mine");
+            let unfinished = out.join(UNFINISHED);
+            put(&unfinished, &NEW, "new");
+            write_json(&unfinished.join(COMPLETE), &NEW).unwrap();
+            for name in &NEW[..moved] {
+                std::fs::rename(unfinished.join(name), out.join(name)).unwrap();
+            }
+            RunFolder::lock(out).unwrap();
+            check_new_alone(out);
         }
-        create_folder(folder.path()).unwrap();
-        for name in ours {
-            assert!(!folder.path().join(name).exists(), "{name}");
+    }
+
+    #[test]
+    fn a_list_that_leads_out_of_the_folder_is_refused() {
+        let place = tempfile::tempdir().unwrap();
+        let unfinished = place.path().join(UNFINISHED);
+        put(&unfinished, &NEW, "new");
+        for name in ["../elsewhere", "episodes/../../000.osm", "/etc/passwd"] {
+            write_json(&unfinished.join(COMPLETE), &[name]).unwrap();
+            let error = RunFolder::lock(place.path()).unwrap_err();
+            assert!(matches!(error, BenchError::BadFile { .. }), "{error}");
         }
-        for name in others {
-            assert!(folder.path().join(name).exists(), "{name}");
-        }
+    }
+
+    #[test]
+    fn a_folder_is_for_one_process_at_a_time() {
+        let place = tempfile::tempdir().unwrap();
+        let first = RunFolder::lock(place.path()).unwrap();
+        let second = RunFolder::lock(place.path()).unwrap_err();
+        assert!(matches!(second, BenchError::Busy { .. }), "{second}");
+        drop(first);
+        RunFolder::lock(place.path()).unwrap();
     }
 }

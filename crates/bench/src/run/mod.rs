@@ -9,18 +9,23 @@
 //! | `request` | [`RunRequest`]: the input of a run |
 //! | `episodes` | [`run`] and [`repeat`]: all episodes of a suite, on several threads |
 //! | `output` | [`RunOutput`]: results and merged map |
-//! | `folder` | the files in the folder of a run |
+//! | `folder` | the folder of a run: one process at a time, nothing lost |
+//! | `files` | the files in it: names, reading, writing |
+//! | [`record`] | [`RunRecord`](record::RunRecord): the parameters of a run |
 //! | [`recorder`] | the sensor log of an episode |
-//! | [`recording`] | the actions of an episode, and [`verify`](recording::verify), which replays them |
+//! | [`recording`] | the actions of an episode, and [`replay`](recording::replay) |
+//! | `verify` | [`verify`]: whether the files of a run follow from its actions |
 //! | [`threads`] | numbered jobs on several threads |
 //! | `truth` | [`TruthLocalizer`]: the true pose as a localizer, for comparisons |
 //! | `simulated_fixes` | [`SimulatedFixes`]: fixes made from the true pose, for experiments |
 
 mod episode;
 mod episodes;
+mod files;
 mod folder;
 mod observer;
 mod output;
+pub mod record;
 pub mod recorder;
 pub mod recording;
 pub mod registry;
@@ -29,15 +34,18 @@ mod rollout;
 mod simulated_fixes;
 pub mod threads;
 mod truth;
+mod verify;
 
 pub use episode::run_episode;
 pub use episodes::{repeat, run};
-pub use folder::{MEMORY_BEFORE, memory_of};
+pub use folder::{InterruptedRun, MEMORY_BEFORE, UNFINISHED, interrupted, memory_of};
 pub use observer::Observer;
 pub use output::RunOutput;
+pub use record::RunRecord;
 pub use recorder::{Faults, ImuRange, Level};
 pub use registry::{AgentFactory, AgentRequest, Agents};
-pub use request::RunRequest;
+pub use request::{RunRequest, Unfinished};
 pub use rollout::{Rollout, Status};
 pub use simulated_fixes::{FixNoise, FixNoiseError, SimulatedFixes};
 pub use truth::{TruthHandle, TruthLocalizer};
+pub use verify::verify;

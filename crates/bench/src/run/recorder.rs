@@ -15,13 +15,15 @@ use openbench_logs::{LogError, LogFile};
 use openbench_osm::Projection;
 use openbench_sim::Simulator;
 use openbench_sim::traffic::MoverKind;
+use serde::{Deserialize, Serialize};
 
 use super::observer::Observer;
 use crate::BenchError;
 use crate::image_file;
 
 /// The content of a log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Level {
     /// No log.
     None,

@@ -9,6 +9,7 @@ use openbench_models::{Exchanges, PullEvent};
 use openbench_osm::OsmData;
 
 use super::truth::TruthHandle;
+use crate::score::provenance::{ModelDigest, Setting};
 
 /// An agent's settings (`--set KEY=VALUE`).
 pub type AgentSettings = BTreeMap<String, String>;
@@ -70,6 +71,32 @@ pub trait AgentFactory: Send + Sync {
     fn uses_truth(&self, settings: &AgentSettings) -> bool {
         let _ = settings;
         false
+    }
+
+    /// All settings in force, those that were not given with their defaults. By default only the
+    /// given ones are known.
+    fn in_force(&self, settings: &AgentSettings) -> BTreeMap<String, Setting> {
+        let given = |value: &String| Setting {
+            value: value.clone(),
+            default: false,
+        };
+        settings
+            .iter()
+            .map(|(key, value)| (key.clone(), given(value)))
+            .collect()
+    }
+
+    /// The model files that an agent with these settings uses.
+    fn models(&self, settings: &AgentSettings) -> Vec<ModelDigest> {
+        let _ = settings;
+        Vec::new()
+    }
+
+    /// Why an agent with these settings cannot repeat what it did, so that nobody can check who
+    /// made its results; `None` if it can.
+    fn cannot_repeat(&self, settings: &AgentSettings) -> Option<String> {
+        let _ = settings;
+        None
     }
 
     /// Files named in the settings, which a run must not remove before they are read.

@@ -2,12 +2,26 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use openbench_osm::OsmData;
 
 use super::recorder::Level;
 use super::registry::AgentFactory;
+use crate::score::provenance::Build;
 use crate::worlds::Prepared;
+
+/// What to do with a run that was interrupted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unfinished {
+    /// Refuse to begin if it has finished episodes.
+    #[default]
+    Keep,
+    /// Remove it.
+    Discard,
+    /// Run only those of its episodes that are missing.
+    Resume,
+}
 
 /// A run: suite, agent and options.
 pub struct RunRequest<'a> {
@@ -27,10 +41,21 @@ pub struct RunRequest<'a> {
     pub level: Level,
     /// Folder for all files of the run; `None` writes nothing.
     pub out: Option<&'a Path>,
+    /// What to do with an interrupted run in that folder.
+    pub unfinished: Unfinished,
     /// A map with the doors found in earlier runs.
     pub memory: Option<&'a OsmData>,
+    /// The file that gets this map and the doors found in this run, when it is complete.
+    pub memory_file: Option<&'a Path>,
+    /// The program, for the results.
+    pub build: &'a Build,
     /// The command line, for the report.
     pub command: &'a str,
     /// Called after each episode with the number of finished episodes.
     pub progress: &'a (dyn Fn(usize) + Sync),
+    /// When set, the run ends after the current step with [`BenchError::Interrupted`]. What is
+    /// finished remains and can be resumed.
+    ///
+    /// [`BenchError::Interrupted`]: crate::BenchError::Interrupted
+    pub stop: &'a AtomicBool,
 }

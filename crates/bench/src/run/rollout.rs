@@ -5,11 +5,12 @@
 //! recording. A recorder or a live view is an [`Observer`].
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 use std::time::Duration;
 
 use openbench_core::{
-    Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, MapPoint, ModelUse, Observation,
-    Pose2, SimTime, Velocity,
+    Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, Image, MapPoint, ModelUse,
+    Observation, Pose2, SimTime, Velocity,
 };
 use openbench_scene::SemanticClass;
 use openbench_sim::traffic::Encounters;
@@ -17,8 +18,10 @@ use openbench_sim::{OBSERVATION_NS, Simulator};
 
 use super::observer::Observer;
 use crate::BenchError;
+use crate::image_file;
 use crate::trace::{
-    EpisodeTrace, Failure, Frame, PlacedDoor, PlateRead, PoseError, Smoothness, TaskOutcome,
+    Deed, EpisodeTrace, Failure, Frame, PlacedDoor, PlateRead, PoseError, Reading, Smoothness,
+    TaskOutcome, TimedDeed,
 };
 use crate::worlds::{Prepared, PreparedEpisode};
 
@@ -70,6 +73,8 @@ pub struct Rollout<'o> {
     /// Deliveries that the agent gave up, but that the instruction does not have: its reasons are
     /// those of the targets that it never mentions.
     misread: VecDeque<Failure>,
+    /// The last images in which plates were read, oldest first.
+    images: VecDeque<(SimTime, Arc<Image>)>,
     error: Option<BenchError>,
 }
 
@@ -90,6 +95,7 @@ impl<'o> Rollout<'o> {
             trace: EpisodeTrace::default(),
             task: Task::new(prepared.world.start.point()),
             misread: VecDeque::new(),
+            images: VecDeque::new(),
             error: None,
         })
     }
@@ -133,47 +139,77 @@ impl<'o> Rollout<'o> {
             let seen = self.observers[i].event(time, &event);
             self.keep_error(seen);
         }
-        match event {
-            Event::Plan(plan) => self.trace.plan = Some(plan),
-            Event::Route(points) => self.trace.routes.push(points),
-            Event::PoseEstimate(estimate) => {
+        if let Event::PlateRead { image, .. } = &event {
+            self.keep_image(time, image.clone());
+        }
+        if let Some(deed) = Deed::of(&event) {
+            self.enter(&deed);
+            self.keep_deed(deed);
+        }
+        if let Event::Models(used) = event {
+            // With the latency, which no deed has.
+            self.trace.models = used;
+        }
+    }
+
+    /// Enters what an agent reports into the trace. Recorded deeds come this way, too.
+    fn enter(&mut self, deed: &Deed) {
+        let time = self.simulator.time();
+        match deed {
+            Deed::Planned(plan) => self.trace.plan = Some(plan.clone()),
+            Deed::Routed(points) => self.trace.routes.push(Deed::route(points)),
+            Deed::Estimated(pose, health) => {
                 // The simulator has not moved since the observation that the agent acts on. The
                 // true pose is therefore that of the estimate's instant.
+                let estimate = Deed::estimate(*pose, *health);
                 self.trace.estimated.push(estimate.pose.point());
                 self.trace
                     .pose_errors
                     .push(PoseError::new(time, self.pose(), estimate));
             }
-            Event::DoorWritten { address, position } => {
+            Deed::WroteDoor(address, position) => {
                 // A door that is written again replaces the earlier one.
                 self.trace
                     .doors
-                    .retain(|known| !known.address.same_door(&address));
-                self.trace.doors.push(PlacedDoor { address, position });
-            }
-            Event::PlateRead {
-                text,
-                confidence,
-                corners,
-                image,
-                ..
-            } => {
-                self.trace.plates.push(PlateRead {
-                    time,
-                    text,
-                    confidence,
-                    corners,
+                    .retain(|known| !known.address.same_door(address));
+                self.trace.doors.push(PlacedDoor {
+                    address: address.clone(),
+                    position: Deed::position(*position),
                 });
-                self.keep_frame(Frame { time, image });
             }
+            Deed::Read(reading) => self.trace.plates.push(plate(time, reading)),
             // The agent reports its use so far, so the last report is the total.
-            Event::Models(used) => self.trace.models = used,
-            Event::Task(_) | Event::Path(_) | Event::Waypoints(_) | Event::Note(_) => {}
+            Deed::Asked(used) => self.trace.models = *used,
+            // Actions are applied by `step`, a refusal by `refuse`.
+            Deed::Refused(_) | Deed::Delivered(_) | Deed::GaveUp(_) => {}
+        }
+    }
+
+    fn keep_deed(&mut self, deed: Deed) {
+        let step = self.steps();
+        self.trace.deeds.push(TimedDeed { step, deed });
+    }
+
+    /// Number of steps so far.
+    pub(super) fn steps(&self) -> u32 {
+        // An episode has a time limit of hours; 2^32 steps are almost seven years.
+        self.trace.velocities.len() as u32
+    }
+
+    /// Repeats a recorded deed that is no action: a report of the agent, or its refusal.
+    pub(super) fn repeat(&mut self, deed: &Deed) {
+        match deed {
+            Deed::Refused(give_up) => self.refuse(give_up),
+            _ => {
+                self.enter(deed);
+                self.keep_deed(deed.clone());
+            }
         }
     }
 
     /// Ends the episode before its first step, for an agent that cannot start. All deliveries fail.
     pub fn refuse(&mut self, give_up: &GiveUp) {
+        self.keep_deed(Deed::Refused(give_up.clone()));
         self.fail_open_targets(give_up.cause, &give_up.detail);
     }
 
@@ -207,6 +243,7 @@ impl<'o> Rollout<'o> {
             return Err(error);
         }
         self.trace.map = map;
+        self.trace.frames = self.images.iter().map(frame).collect();
         self.trace.collisions = self.simulator.collisions().to_vec();
         self.trace.sim_seconds = self.simulator.time().seconds();
         self.trace.chain = self.simulator.hash_chain();
@@ -248,21 +285,26 @@ impl<'o> Rollout<'o> {
     fn apply(&mut self, action: Action) -> Velocity {
         match action {
             Action::Drive(velocity) => return finite(velocity),
-            Action::Delivered(address) => self.delivered(&address),
-            Action::GiveUp(give_up) => self.give_up(&give_up),
+            Action::Delivered(address) => {
+                self.delivered(&address);
+                self.keep_deed(Deed::Delivered(address));
+            }
+            Action::GiveUp(give_up) => {
+                self.give_up(&give_up);
+                self.keep_deed(Deed::GaveUp(give_up));
+            }
         }
         Velocity::ZERO
     }
 
-    fn keep_frame(&mut self, frame: Frame) {
+    fn keep_image(&mut self, time: SimTime, image: Arc<Image>) {
         // Several plates may be read in one image.
-        let frames = &mut self.trace.frames;
-        if frames.back().is_some_and(|last| last.time == frame.time) {
+        if self.images.back().is_some_and(|(last, _)| *last == time) {
             return;
         }
-        frames.push_back(frame);
-        if frames.len() > MAX_FRAMES {
-            frames.pop_front();
+        self.images.push_back((time, image));
+        if self.images.len() > MAX_FRAMES {
+            self.images.pop_front();
         }
     }
 
@@ -406,6 +448,24 @@ fn longer_contacts(
         })
         .filter(|(_, time)| !time.is_zero())
         .collect()
+}
+
+fn frame((time, image): &(SimTime, Arc<Image>)) -> Frame {
+    Frame {
+        time: *time,
+        width: image.width,
+        height: image.height,
+        jpeg: image_file::jpeg(image).unwrap_or_default(),
+    }
+}
+
+fn plate(time: SimTime, reading: &Reading) -> PlateRead {
+    PlateRead {
+        time,
+        text: reading.text.clone(),
+        confidence: reading.confidence(),
+        corners: reading.corners(),
+    }
 }
 
 fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {

@@ -14,8 +14,11 @@ pub fn departures(results: &Results) -> Vec<String> {
                 .to_owned(),
         );
     }
-    for (key, value) in &results.settings {
-        lines.push(format!("setting {key}={value}"));
+    for (key, setting) in results.settings.iter().filter(|(_, s)| !s.default) {
+        lines.push(format!("setting {key}={}", setting.value));
+    }
+    if let Some(reason) = &results.provenance.cannot_repeat {
+        lines.push(format!("nobody can check who made these results: {reason}"));
     }
     if let Some(memory) = &results.memory {
         let doors = count(memory.doors, "door", "doors");
@@ -69,9 +72,10 @@ fn failed_calls(results: &Results) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::score::provenance::Setting;
     use crate::score::results::tests::{delivery, results};
-    use crate::score::results::{EpisodeResult, MemoryUse};
-    use openbench_core::{Fallback, ModelUse, PlanPart};
+    use crate::score::results::{EpisodeResult, MemoryUse, ModelTotals};
+    use openbench_core::{Fallback, PlanPart};
 
     #[test]
     fn a_plain_run_has_none() {
@@ -82,8 +86,14 @@ mod tests {
     fn everything_that_changes_what_numbers_mean_is_named() {
         let mut run = results(vec![delivery(0, 0)]);
         run.targets = TargetSource::Planner;
-        run.settings.insert("localizer".into(), "truth".into());
-        run.memory = Some(MemoryUse { doors: 3 });
+        let set = |value: &str| Setting::new(value, "fused");
+        run.settings.insert("localizer".into(), set("truth"));
+        run.settings.insert("other".into(), set("fused"));
+        run.provenance.cannot_repeat = Some("it waits for people".into());
+        run.memory = Some(MemoryUse {
+            doors: 3,
+            hash: String::new(),
+        });
         run.sensors.gnss = true;
         run.traffic.cars = 2;
         run.episodes = vec![EpisodeResult {
@@ -94,15 +104,16 @@ mod tests {
             }],
             ..EpisodeResult::default()
         }];
-        run.models = Some(ModelUse {
+        run.models = Some(ModelTotals {
             calls: 2,
             failed: 1,
-            ..ModelUse::default()
+            ..ModelTotals::default()
         });
         let all = departures(&run).join("\n");
         for part in [
             "grammar",
             "localizer=truth",
+            "waits for people",
             "3 doors",
             "GNSS",
             "0 pedestrians and 2 cars",
@@ -111,5 +122,6 @@ mod tests {
         ] {
             assert!(all.contains(part), "{part}: {all}");
         }
+        assert!(!all.contains("fused"), "a default is no departure: {all}");
     }
 }

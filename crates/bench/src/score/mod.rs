@@ -7,6 +7,7 @@
 //! | [`departures`] | in what a run departs from the defaults |
 //! | [`metrics`] | the metrics, as functions of plain values |
 //! | [`statistics`] | confidence intervals |
+//! | [`provenance`] | [`Provenance`](provenance::Provenance): what results were made from and with |
 //! | [`results`] | [`Results`]: the file `results.json` |
 //! | [`evaluate`] | the paper's metrics for logs of the reference recorder |
 
@@ -15,6 +16,7 @@ pub mod departures;
 pub mod evaluate;
 pub mod health;
 pub mod metrics;
+pub mod provenance;
 pub mod results;
 pub mod statistics;
 

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::ResultsError;
 use crate::score::health::HealthSpan;
 use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum};
+use crate::score::provenance::{Provenance, Setting};
 use crate::suite::{Sensors, TargetSource};
 use crate::trace::SmoothnessSum;
 
@@ -29,9 +30,12 @@ pub struct Results {
     pub seed: u64,
     /// Version of OpenBench.
     pub version: String,
-    /// The agent's settings (`--set KEY=VALUE`).
+    /// What the results were made from and with.
     #[serde(default)]
-    pub settings: BTreeMap<String, String>,
+    pub provenance: Provenance,
+    /// The agent's settings in force.
+    #[serde(default)]
+    pub settings: BTreeMap<String, Setting>,
     /// Where the doors that the judge expects are known from.
     #[serde(default)]
     pub targets: TargetSource,
@@ -53,7 +57,7 @@ pub struct Results {
     pub deliveries: Vec<DeliveryResult>,
     /// The agent's use of language and vision models in all episodes; absent if it used none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub models: Option<ModelUse>,
+    pub models: Option<ModelTotals>,
     /// Score of the doors that the agent wrote into its map; null if it edits no map.
     #[serde(default)]
     pub doors: Option<DoorScore>,
@@ -63,10 +67,47 @@ pub struct Results {
 }
 
 /// The memory that agents began with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MemoryUse {
     /// Number of its doors that the public map does not have.
     pub doors: usize,
+    /// BLAKE3 of its map.
+    pub hash: String,
+}
+
+/// The use of language and vision models in a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct ModelTotals {
+    /// Questions.
+    pub calls: u32,
+    /// Those without an answer.
+    pub failed: u32,
+    /// Tokens of the questions, as servers count them.
+    pub prompt_tokens: u64,
+    /// Tokens of the answers.
+    pub completion_tokens: u64,
+    /// Time that passed until they were answered, milliseconds; null for a run that was resumed.
+    /// Depends on the machine.
+    pub latency_ms: Option<u64>,
+}
+
+impl From<ModelUse> for ModelTotals {
+    fn from(used: ModelUse) -> Self {
+        let ModelUse {
+            calls,
+            failed,
+            prompt_tokens,
+            completion_tokens,
+            latency_ms,
+        } = used;
+        Self {
+            calls,
+            failed,
+            prompt_tokens,
+            completion_tokens,
+            latency_ms: Some(latency_ms),
+        }
+    }
 }
 
 /// The result of one episode.
@@ -162,10 +203,12 @@ pub struct Metrics {
     pub smoothness: SmoothnessSum,
     /// Simulated time, seconds.
     pub sim_seconds: f64,
-    /// Wall-clock time of the run, seconds. Depends on the machine.
-    pub wall_seconds: f64,
-    /// Simulated time per CPU time of the process. Depends on the machine.
-    pub real_time_factor: f64,
+    /// Wall-clock time of the run, seconds; null for a run that was resumed. Depends on the
+    /// machine.
+    pub wall_seconds: Option<f64>,
+    /// Simulated time per CPU time of the process; null for a run that was resumed. Depends on the
+    /// machine.
+    pub real_time_factor: Option<f64>,
     /// 95 % confidence intervals, lower and upper bound, by name of the metric; null below five
     /// episodes.
     #[serde(default)]
@@ -250,16 +293,14 @@ impl DeliveryResult {
 }
 
 impl Results {
-    /// These results with all machine-dependent times set to zero. Two runs of the same episodes
+    /// These results without machine-dependent times. Two runs of the same episodes
     /// have equal machine-independent results.
     pub fn machine_independent(&self) -> Self {
         let mut results = self.clone();
-        (
-            results.metrics.wall_seconds,
-            results.metrics.real_time_factor,
-        ) = (0.0, 0.0);
+        results.metrics.wall_seconds = None;
+        results.metrics.real_time_factor = None;
         if let Some(used) = &mut results.models {
-            used.latency_ms = 0;
+            used.latency_ms = None;
         }
         results
     }
@@ -346,6 +387,7 @@ pub(crate) mod tests {
             agent: "open".into(),
             seed: 7,
             version: "0.1.0".into(),
+            provenance: Provenance::default(),
             settings: BTreeMap::new(),
             targets: TargetSource::World,
             traffic: TrafficPlan::default(),

@@ -2,23 +2,23 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `deed` | [`Deed`]: what an agent does besides driving |
 //! | `pose_error` | [`PoseError`]: the error of an estimated pose |
 //! | `smoothness` | [`Smoothness`]: turning, speed variation and stops along a drive |
 
+mod deed;
 mod pose_error;
 mod smoothness;
 
-use std::collections::{BTreeMap, VecDeque};
-use std::sync::Arc;
+use std::collections::BTreeMap;
 use std::time::Duration;
 
-use openbench_core::{
-    Address, FailureCause, GiveUp, Image, MapPoint, ModelUse, Plan, SimTime, Velocity,
-};
+use openbench_core::{Address, FailureCause, GiveUp, MapPoint, ModelUse, Plan, SimTime, Velocity};
 use openbench_scene::SemanticClass;
 use openbench_sim::Collision;
 use openbench_sim::traffic::EncounterTotals;
 
+pub use deed::{Deed, Number, Reading, TimedDeed};
 pub use pose_error::PoseError;
 pub use smoothness::{Smoothness, SmoothnessSum};
 
@@ -128,8 +128,12 @@ pub struct PlateRead {
 pub struct Frame {
     /// Time of the event with the image.
     pub time: SimTime,
-    /// The image.
-    pub image: Arc<Image>,
+    /// Columns, pixels.
+    pub width: u32,
+    /// Rows, pixels.
+    pub height: u32,
+    /// The image as JPEG; empty if JPEG cannot hold it.
+    pub jpeg: Vec<u8>,
 }
 
 /// The record of an episode.
@@ -151,7 +155,7 @@ pub struct EpisodeTrace {
     /// Plates read by the agent.
     pub plates: Vec<PlateRead>,
     /// The last images in which plates were read, oldest first.
-    pub frames: VecDeque<Frame>,
+    pub frames: Vec<Frame>,
     /// The agent's plan.
     pub plan: Option<Plan>,
     /// The agent's use of language and vision models.
@@ -162,6 +166,8 @@ pub struct EpisodeTrace {
     pub sim_seconds: f64,
     /// The commanded velocities, one per step of 50 ms.
     pub velocities: Vec<Velocity>,
+    /// What the agent did besides driving, in the order of time.
+    pub deeds: Vec<TimedDeed>,
     /// Hash chain over all states.
     pub chain: [u8; 32],
     /// The agent's copy of the map, OSM XML.

@@ -7,16 +7,19 @@
 //! | `prepared` | [`Prepared`]: a suite with its world built and its doors looked up |
 //! | `targets` | [`Target`]: the doors that an episode requests |
 //! | `recipe` | [`Recipe`]: sources and parameters of a world |
+//! | [`hashes`] | [`Hashes`]: what a run was made in |
 //! | [`folder`] | worlds as folders: recipe, maps, suite |
 
 mod builtin;
 pub mod folder;
+pub mod hashes;
 mod load;
 mod prepared;
 mod recipe;
 mod targets;
 
 pub use builtin::builtin_suite;
+pub use hashes::Hashes;
 pub use load::load;
 pub use prepared::{Prepared, PreparedEpisode};
 pub use recipe::Recipe;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use openbench_core::{MapPoint, RobotDescription};
-use openbench_osm::OsmMap;
+use openbench_core::{Georeference, MapPoint, RobotDescription};
+use openbench_osm::{OsmData, OsmMap, Projection};
 use openbench_scene::{FreeSpace, World};
 use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
 use openbench_sim::{Simulator, Stage};
@@ -133,6 +133,26 @@ impl Prepared {
     /// The public map, in metres in the `map` frame.
     pub fn osm_map(&self) -> OsmMap {
         OsmMap::new(&self.world.map, self.world.georeference)
+    }
+
+    /// Whether a map has doors of this world exactly where they are. A robot measures doors to
+    /// decimetres, so such a map is the one that the world is made from, and no memory of a robot.
+    pub fn is_own_map(&self, map: &OsmData) -> bool {
+        // OSM keeps degrees to 1e-7, which is about a centimetre.
+        const EXACT_M: f64 = 0.02;
+        // One or two may lie there by chance.
+        const LEAST: usize = 3;
+        let found = entrances(map, self.world.georeference);
+        let doors: Vec<MapPoint> = self
+            .world
+            .scene
+            .doors
+            .iter()
+            .map(|d| d.entrance().point())
+            .collect();
+        let is_exact = |at: &&MapPoint| doors.iter().any(|door| door.distance(**at) < EXACT_M);
+        let exact = found.iter().filter(is_exact).count();
+        exact >= LEAST && 2 * exact > found.len()
     }
 
     /// The people and cars of an episode; `None` in a world without traffic.
@@ -271,6 +291,13 @@ impl Prepared {
         const MAX_OFFSET_M: f64 = 1.0;
         self.free_space.nearest_reachable(robot, MAX_OFFSET_M)
     }
+}
+
+/// The positions of a map's entrances, in the `map` frame.
+fn entrances(map: &OsmData, georeference: Georeference) -> Vec<MapPoint> {
+    let projection = Projection::new(georeference);
+    let nodes = map.nodes.values().filter(|node| node.tags.says("entrance"));
+    nodes.map(|node| projection.to_map(node.position)).collect()
 }
 
 /// The time limit of a delivery as far as the public map tells: enough for a path from any building

@@ -121,11 +121,10 @@ pub struct VerifyArgs {
     /// Run the agent again, with the recorded answers of models, and compare its actions
     #[arg(long)]
     pub agent: bool,
-    /// Episodes in parallel, with --agent
+    /// Episodes in parallel
     #[arg(
         long,
         default_value_t = 1,
-        requires = "agent",
         value_parser = clap::value_parser!(u16).range(1..=256)
     )]
     pub jobs: u16,

@@ -21,6 +21,7 @@ pub enum Targets {
 #[command(after_help = "\
 Examples:
   openbench run medium --jobs 2 --out runs/medium
+  openbench run --resume runs/medium
   openbench run small --set localizer=dead-reckoning
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\
       --deliveries delivery_instructions_small.txt --truth delivery_instructions_small_gt.txt")]
@@ -38,6 +39,19 @@ pub struct RunArgs {
     /// Folder for results, report and logs; those of an earlier run there are replaced
     #[arg(long, default_value = "runs/latest")]
     pub out: PathBuf,
+    /// Continue the interrupted run in this folder: only what is missing is run
+    #[arg(
+        long,
+        value_name = "DIR",
+        conflicts_with_all = [
+            "suite", "agent", "seed", "out", "settings", "record", "pedestrians", "cars", "memory",
+            "world", "discard"
+        ]
+    )]
+    pub resume: Option<PathBuf>,
+    /// Remove what an interrupted run has left in the folder
+    #[arg(long)]
+    pub discard: bool,
     /// Episodes that run in parallel; results do not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,

@@ -45,6 +45,7 @@ pub fn run(args: &BenchTownsArgs, agents: &Agents) -> anyhow::Result<Outcome> {
         plan: &plan,
         windows,
         factory,
+        build: &crate::build(),
         jobs: usize::from(args.jobs),
         out: &args.out,
         progress: &|town, was_done| {
@@ -122,7 +123,7 @@ fn table(towns: &Towns) -> String {
         "",
         "",
         metrics.collisions,
-        metrics.real_time_factor,
+        metrics.real_time_factor.unwrap_or(0.0),
         causes(failures)
     );
     let interval = |name: &str| {
@@ -169,7 +170,7 @@ fn line(town: &Town) -> String {
         pose(PoseSum::of(&town.pose_errors)),
         town.odometry.rms_m,
         metrics.collisions,
-        metrics.real_time_factor,
+        metrics.real_time_factor.unwrap_or(0.0),
         causes(&town.failures())
     )
 }

@@ -9,23 +9,40 @@ use openbench_bench::suite::draw::Draw;
 use openbench_bench::suite::{Sensors, deliveries};
 use openbench_bench::worlds::{folder, load};
 use openbench_bench::{
-    AgentFactory, Agents, Episode, Prepared, RunRequest, Suite, TargetSource, TrafficPlan,
-    WorldSource, builtin_suite, builtin_suites,
+    AgentFactory, Agents, BenchError, Episode, InterruptedRun, Prepared, Results, RunRequest,
+    Suite, TargetSource, TrafficPlan, Unfinished, WorldSource, builtin_suite, builtin_suites,
+    interrupted,
 };
 use openbench_core::Address;
-use openbench_osm::{OsmData, write_atomically};
+use openbench_osm::OsmData;
 
 use crate::args::{RunArgs, Targets};
 use crate::commands::{planned_targets, read_map};
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{PullProgress, progress_bar};
+use crate::signals::StopSignal;
 
 /// Runs a suite and prints the results.
 pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
+    let stop = StopSignal::catch().context("signals cannot be caught")?;
+    match &args.resume {
+        Some(out) => resume(out, args, agents, &stop),
+        None => begin(args, agents, &stop),
+    }
+}
+
+/// Runs a suite from its first episode.
+fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<Outcome> {
     let factory = agents.get(&args.agent)?.as_ref();
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
     // First of all: a misspelt setting is found at once, while building the world takes a while.
     check_agent(factory, &settings)?;
+    let unfinished = if args.discard {
+        Unfinished::Discard
+    } else {
+        refuse_unfinished(&args.out)?;
+        Unfinished::Keep
+    };
     let prepared = prepare(args)?;
     prepare_agent(factory, &settings)?;
     let read = factory
@@ -36,18 +53,18 @@ pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let memory = args
         .memory
         .as_deref()
-        // The first of several runs with one memory begins without the file.
-        .filter(|path| path.exists())
-        .map(OsmData::read)
-        .transpose()?;
-    // Through XML, as the run's folder keeps it: a repeated run then starts from equal numbers.
-    let memory = memory
-        .map(|memory| OsmData::from_bytes(&memory.to_xml()))
-        .transpose()?;
-    if let Some(path) = &args.memory {
-        probe(path)?;
+        .map(read_memory)
+        .transpose()?
+        .flatten();
+    if let Some(memory) = &memory {
+        refuse_own_map(&prepared, memory, args)?;
     }
-    let bar = progress_bar(prepared.episodes.len(), "delivering");
+    // From wherever the run is resumed.
+    let memory_file = args
+        .memory
+        .as_deref()
+        .map(std::path::absolute)
+        .transpose()?;
     let request = RunRequest {
         prepared: &prepared,
         agent: &args.agent,
@@ -57,30 +74,152 @@ pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
         jobs: usize::from(args.jobs),
         level: args.record,
         out: Some(&args.out),
+        unfinished,
         memory: memory.as_ref(),
+        memory_file: memory_file.as_deref(),
+        build: &crate::build(),
         command: &command_line(),
-        progress: &|done| bar.set_position(done as u64),
+        progress: &|_| {},
+        stop: stop.asked(),
     };
-    let output = openbench_bench::run(&request)?;
-    bar.finish_and_clear();
-    if let Some(path) = &args.memory {
-        write_atomically(path, &output.memory.to_xml())?;
-    }
-    if args.json {
-        say_json(&output.results)?;
-    } else {
-        say(&terminal_table(&output.results))?;
-    }
+    drive(request, args, stop)
+}
+
+/// Runs what is missing of an interrupted run.
+fn resume(
+    out: &Path,
+    args: &RunArgs,
+    agents: &Agents,
+    stop: &StopSignal,
+) -> anyhow::Result<Outcome> {
+    let Some(InterruptedRun {
+        record,
+        memory,
+        finished,
+    }) = interrupted(out)?
+    else {
+        let results = out.join("results.json");
+        if !results.exists() {
+            anyhow::bail!("{} contains no run that was interrupted", out.display());
+        }
+        tell(&format!("the run in {} is complete", out.display()));
+        return print(&Results::read(&results)?, out, args);
+    };
     tell(&format!(
-        "report: {}",
-        args.out.join("report.html").display()
+        "{finished} of {} episodes are finished",
+        record.episodes
     ));
+    let factory = agents.get(&record.agent)?.as_ref();
+    check_agent(factory, &record.settings)?;
+    let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
+    prepare_agent(factory, &record.settings)?;
+    let request = RunRequest {
+        prepared: &prepared,
+        agent: &record.agent,
+        factory,
+        settings: &record.settings,
+        seed: record.seed,
+        jobs: usize::from(args.jobs),
+        level: record.logs,
+        out: Some(out),
+        unfinished: Unfinished::Resume,
+        memory: memory.as_ref(),
+        memory_file: record.memory_file.as_deref(),
+        build: &crate::build(),
+        command: &record.command,
+        progress: &|_| {},
+        stop: stop.asked(),
+    };
+    drive(request, args, stop)
+}
+
+/// Drives the episodes of a request that has a folder, and prints the results.
+fn drive(request: RunRequest<'_>, args: &RunArgs, stop: &StopSignal) -> anyhow::Result<Outcome> {
+    if let Some(path) = request.memory_file {
+        probe(path)?;
+    }
+    let out = request.out.unwrap_or(&args.out);
+    let bar = progress_bar(request.prepared.episodes.len(), "delivering");
+    let request = RunRequest {
+        progress: &|done| bar.set_position(done as u64),
+        ..request
+    };
+    match openbench_bench::run(&request) {
+        Err(BenchError::Interrupted) => {
+            bar.finish_and_clear();
+            tell(&stopped(out)?);
+            Ok(Outcome::Stopped(stop.number()))
+        }
+        output => {
+            let results = output?.results;
+            bar.finish_and_clear();
+            print(&results, out, args)
+        }
+    }
+}
+
+/// What is said about a run that was stopped.
+fn stopped(out: &Path) -> anyhow::Result<String> {
+    let left = interrupted(out)?;
+    Ok(left.map_or("stopped".to_owned(), |left| {
+        format!(
+            "stopped; {} of {} episodes are finished; continue with: openbench run --resume {}",
+            left.finished,
+            left.record.episodes,
+            out.display()
+        )
+    }))
+}
+
+fn print(results: &Results, out: &Path, args: &RunArgs) -> anyhow::Result<Outcome> {
+    if args.json {
+        say_json(results)?;
+    } else {
+        say(&terminal_table(results))?;
+    }
+    tell(&format!("report: {}", out.join("report.html").display()));
     Ok(Outcome::Done)
 }
 
-/// Refuses what the run is told to read from the folder that it clears first.
+/// Refuses a folder with an interrupted run, before a world is built for nothing.
+fn refuse_unfinished(out: &Path) -> Result<(), BenchError> {
+    match interrupted(out)? {
+        Some(left) if left.finished > 0 => Err(BenchError::Unfinished {
+            folder: out.to_owned(),
+            finished: left.finished,
+            episodes: left.record.episodes,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// The doors in a memory's file; `None` if there is no file: the first of several runs with one
+/// memory begins without it.
+fn read_memory(path: &Path) -> anyhow::Result<Option<OsmData>> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    // Through XML, as the run's folder keeps it: a repeated run then starts from equal numbers.
+    let memory = OsmData::read(path)?;
+    Ok(Some(OsmData::from_bytes(&memory.to_xml())?))
+}
+
+/// Refuses a memory that nobody has seen, but that is the map from which the world is made.
+fn refuse_own_map(prepared: &Prepared, memory: &OsmData, args: &RunArgs) -> anyhow::Result<()> {
+    if prepared.is_own_map(memory) {
+        let path = args.memory.as_deref().unwrap_or(Path::new("--memory"));
+        anyhow::bail!(
+            "{} has the doors of the world exactly where they are: it is the map that the world \
+             is made from, and no memory of a run; name another file, which may be a new one",
+            path.display()
+        );
+    }
+    Ok(())
+}
+
+/// Refuses what the run is told to read from the folder whose files it replaces.
 fn spare(out: &Path, read: &[PathBuf]) -> anyhow::Result<()> {
-    // A folder that does not exist holds nothing to be cleared.
+    // A folder that does not exist holds nothing to be replaced.
     let Ok(folder) = out.canonicalize() else {
         return Ok(());
     };
@@ -89,14 +228,14 @@ fn spare(out: &Path, read: &[PathBuf]) -> anyhow::Result<()> {
         let Ok(full) = path.canonicalize() else {
             continue;
         };
-        let cleared = [
+        let replaced = [
             folder.join("episodes"),
             folder.join(openbench_bench::MEMORY_BEFORE),
         ];
-        if cleared.iter().any(|cleared| full.starts_with(cleared)) {
+        if replaced.iter().any(|replaced| full.starts_with(replaced)) {
             anyhow::bail!(
-                "{} belongs to an earlier run in {}, which is cleared first; copy it, or \
-                 choose another folder with --out",
+                "{} belongs to an earlier run in {}, which is replaced; copy it, or choose \
+                 another folder with --out",
                 path.display(),
                 out.display()
             );

@@ -1,61 +1,78 @@
 //! `openbench verify`
 
-use openbench_bench::run::recording::{Recording, RunRecord, verify};
-use openbench_bench::{Agents, Level, Prepared, RunRequest, memory_of, repeat};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use openbench_bench::{
+    Agents, Level, Prepared, RunRecord, RunRequest, Unfinished, memory_of, repeat, verify,
+};
 
 use crate::args::VerifyArgs;
-use crate::outcome::{Outcome, say};
+use crate::outcome::{Outcome, say, tell};
 use crate::progress::progress_bar;
 
-/// Drives a run's actions again, and its agent if that is asked for.
+/// Drives a run's actions again and compares its files; with `--agent` it runs the agent, too.
 pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let record = RunRecord::read(&args.run)?;
-    if record.version != env!("CARGO_PKG_VERSION") {
-        anyhow::bail!(
-            "{} was made by version {}, this is version {}; runs repeat within one version only",
-            args.run.display(),
-            record.version,
-            env!("CARGO_PKG_VERSION")
-        );
-    }
+    check_version(&record, &args.run)?;
     if record.episodes == 0 {
         anyhow::bail!("{} contains no episodes to verify", args.run.display());
     }
-    // All recordings first: a missing one is found before the world is built.
-    let recordings: Result<Vec<Recording>, _> = (0..record.episodes)
-        .map(|i| Recording::read(&args.run, i))
-        .collect();
-    let recordings = recordings?;
-    if args.agent {
+    let run = args.run.display();
+    let episodes = record.episodes;
+    let mut said = if args.agent {
         drive_again(&record, args, agents)?;
-        say(&format!(
-            "{}: the agent of {} episodes repeats to the bit\n",
-            args.run.display(),
-            record.episodes
-        ))?;
-        return Ok(Outcome::Done);
+        format!("{run}: {episodes} episodes: files and actions agree, and the agent repeats them\n")
+    } else {
+        let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
+        replay(&record, &prepared, args)?;
+        format!("{run}: {episodes} episodes: files and actions agree\n")
+    };
+    if let Some(reason) = &record.cannot_repeat {
+        said += &format!("{run}: who made the actions cannot be checked: {reason}\n");
     }
-    let prepared = Prepared::new(record.suite, record.truth.as_deref())?;
-    let bar = progress_bar(recordings.len(), "verifying");
-    for (number, recording) in recordings.iter().enumerate() {
-        verify(&prepared, number, recording)?;
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    say(&format!(
-        "{}: {} episodes repeat to the bit\n",
-        args.run.display(),
-        recordings.len()
-    ))?;
+    say(&said)?;
     Ok(Outcome::Done)
 }
 
-/// Runs the agent again. What its actions do to the world is compared with the same stroke.
+/// Runs repeat within one version. Another build of it may differ, which is good to know if it
+/// does.
+fn check_version(record: &RunRecord, run: &Path) -> anyhow::Result<()> {
+    let version = env!("CARGO_PKG_VERSION");
+    if record.version != version {
+        anyhow::bail!(
+            "{} was made by version {}, this is version {version}; runs repeat within one version \
+             only",
+            run.display(),
+            record.version
+        );
+    }
+    let (then, now) = (&record.build.commit, crate::build().commit);
+    if *then != now {
+        tell(&format!(
+            "{} was made by commit {then}, this program by {now}; they may differ",
+            run.display()
+        ));
+    }
+    Ok(())
+}
+
+/// Compares all files with what the recorded actions give.
+fn replay(record: &RunRecord, prepared: &Prepared, args: &VerifyArgs) -> anyhow::Result<()> {
+    let bar = progress_bar(record.episodes, "verifying");
+    let jobs = usize::from(args.jobs);
+    verify(&args.run, record, prepared, jobs, &mut || bar.inc(1))?;
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// Compares the files, and the actions of the agent that is run again.
 fn drive_again(record: &RunRecord, args: &VerifyArgs, agents: &Agents) -> anyhow::Result<()> {
     let factory = agents.get(&record.agent)?.as_ref();
     // In the order of `run`: settings before the world, downloads after it.
     super::run::check_agent(factory, &record.settings)?;
     let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
+    replay(record, &prepared, args)?;
     let memory = memory_of(&args.run)?;
     super::run::prepare_agent(factory, &record.settings)?;
     let bar = progress_bar(prepared.episodes.len(), "driving again");
@@ -68,9 +85,13 @@ fn drive_again(record: &RunRecord, args: &VerifyArgs, agents: &Agents) -> anyhow
         jobs: usize::from(args.jobs),
         level: Level::None,
         out: None,
+        unfinished: Unfinished::Keep,
         memory: memory.as_ref(),
+        memory_file: None,
+        build: &record.build,
         command: "",
         progress: &|done| bar.set_position(done as u64),
+        stop: &AtomicBool::new(false),
     };
     repeat(&request, &args.run)?;
     bar.finish_and_clear();

@@ -18,12 +18,15 @@ mod summary;
 mod windows;
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 use openbench_osm::write_atomically;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use openbench_bench::{AgentFactory, BenchError, Level, Prepared, RunRequest, run as run_suite};
+use openbench_bench::{
+    AgentFactory, BenchError, Build, Level, Prepared, RunRequest, Unfinished, run as run_suite,
+};
 
 pub use odometry::OdometrySum;
 pub use plan::TownsPlan;
@@ -44,6 +47,8 @@ pub struct TownsRequest<'a> {
     pub windows: usize,
     /// The factory of the agent.
     pub factory: &'a dyn AgentFactory,
+    /// The program, for the results.
+    pub build: &'a Build,
     /// Number of threads.
     pub jobs: usize,
     /// Folder for windows and results.
@@ -153,9 +158,14 @@ fn drive(
         jobs: request.jobs,
         level: Level::None,
         out: Some(&out),
+        // A window has few episodes: an unfinished one begins anew.
+        unfinished: Unfinished::Discard,
         memory: None,
+        memory_file: None,
+        build: request.build,
         command: "openbench bench towns",
         progress: &|_| {},
+        stop: &AtomicBool::new(false),
     })?;
     let odometry = odometry::measure(prepared, plan.seed.wrapping_add(number as u64))?;
     Ok(Town {

@@ -40,11 +40,7 @@ impl Town {
             ..
         } = self.results.metrics;
         // Results contain no CPU time, but the factor that was made from it.
-        if real_time_factor > 0.0 {
-            sim_seconds / real_time_factor
-        } else {
-            0.0
-        }
+        real_time_factor.map_or(0.0, |factor| sim_seconds / factor)
     }
 }
 
@@ -111,8 +107,8 @@ impl Towns {
         // histograms.
         let totals = RunTotals {
             sim_seconds: sum(|town| town.results.metrics.sim_seconds),
-            wall_seconds: sum(|town| town.results.metrics.wall_seconds),
-            cpu_seconds: sum(Town::cpu_seconds),
+            wall_seconds: Some(sum(|town| town.results.metrics.wall_seconds.unwrap_or(0.0))),
+            cpu_seconds: Some(sum(Town::cpu_seconds)),
             seed: plan.window_seed(0),
             ..RunTotals::default()
         };

@@ -18,10 +18,10 @@ use crate::trace::SmoothnessSum;
 pub struct RunTotals {
     /// Simulated time of all episodes, seconds.
     pub sim_seconds: f64,
-    /// Wall-clock time of the run, seconds.
-    pub wall_seconds: f64,
-    /// CPU time of the process, seconds.
-    pub cpu_seconds: f64,
+    /// Wall-clock time of the run, seconds; `None` if it was not measured as a whole.
+    pub wall_seconds: Option<f64>,
+    /// CPU time of the process, seconds; `None` if it was not measured as a whole.
+    pub cpu_seconds: Option<f64>,
     /// Instructions that were understood; `None` if the agent makes no plans.
     pub instructions: Option<Understood>,
     /// Errors of the poses that the agent reported.
@@ -88,11 +88,10 @@ fn sums(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
         localization: totals.localization,
         sim_seconds: totals.sim_seconds,
         wall_seconds: totals.wall_seconds,
-        real_time_factor: if totals.cpu_seconds > 0.0 {
-            totals.sim_seconds / totals.cpu_seconds
-        } else {
-            0.0
-        },
+        real_time_factor: totals
+            .cpu_seconds
+            .filter(|seconds| *seconds > 0.0)
+            .map(|seconds| totals.sim_seconds / seconds),
         ..Metrics::default()
     }
 }
@@ -248,7 +247,7 @@ mod tests {
         (far.success_2m, far.correct_unit) = (false, true);
         let totals = RunTotals {
             sim_seconds: 40.0,
-            cpu_seconds: 2.0,
+            cpu_seconds: Some(2.0),
             ..RunTotals::default()
         };
         let metrics = summarize(&[delivery(0, 0), far], &totals);
@@ -264,7 +263,10 @@ mod tests {
             (metrics.lsr, metrics.lspl, metrics.srtp),
             (None, None, None)
         );
-        assert_eq!((metrics.path_m, metrics.real_time_factor), (16.0, 20.0));
+        assert_eq!(
+            (metrics.path_m, metrics.real_time_factor),
+            (16.0, Some(20.0))
+        );
         assert_eq!(
             metrics.intervals["sr_10m"], None,
             "two episodes are too few"

@@ -1,0 +1,161 @@
+//! The parameters of a run, sufficient to repeat it: the file `run.json`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use openbench_osm::merge_entrances;
+use serde::{Deserialize, Serialize};
+
+use super::files::{RUN, read_json, write_json};
+use super::recorder::Level;
+use super::request::RunRequest;
+use crate::BenchError;
+use crate::score::provenance::{Build, ModelDigest, Provenance, Setting};
+use crate::score::results::MemoryUse;
+use crate::suite::Suite;
+use crate::worlds::Hashes;
+use crate::worlds::hashes::hash_bytes;
+
+/// The parameters of a run. Results follow from them and from the recordings of the episodes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunRecord {
+    /// Version of OpenBench.
+    pub version: String,
+    /// The program that made the run.
+    pub build: Build,
+    /// Model name of the processor, if the system tells.
+    pub processor: Option<String>,
+    /// Name of the agent.
+    pub agent: String,
+    /// The agent's settings as they were given (`--set KEY=VALUE`).
+    pub settings: BTreeMap<String, String>,
+    /// All its settings in force.
+    pub in_force: BTreeMap<String, Setting>,
+    /// The model files that the agent uses.
+    pub models: Vec<ModelDigest>,
+    /// Why the agent cannot be run again; null if it can.
+    pub cannot_repeat: Option<String>,
+    /// Seed of all random numbers of the run.
+    pub seed: u64,
+    /// Number of episodes.
+    pub episodes: usize,
+    /// The content of the logs.
+    pub logs: Level,
+    /// The command line.
+    pub command: String,
+    /// The doors from earlier runs that the agent knew.
+    pub memory: Option<MemoryUse>,
+    /// The file in which doors are kept from run to run.
+    pub memory_file: Option<PathBuf>,
+    /// The file with the true positions of the doors, if one was given.
+    pub truth: Option<PathBuf>,
+    /// BLAKE3 of what the run was made in.
+    pub hashes: Hashes,
+    /// The suite.
+    pub suite: Suite,
+}
+
+impl RunRecord {
+    /// The record of a run that is about to begin.
+    ///
+    /// # Errors
+    /// A file that has gone since the suite was prepared.
+    pub fn of(request: &RunRequest<'_>) -> Result<Self, BenchError> {
+        let prepared = request.prepared;
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            build: request.build.clone(),
+            processor: processor(),
+            agent: request.agent.to_owned(),
+            settings: request.settings.clone(),
+            in_force: request.factory.in_force(request.settings),
+            models: request.factory.models(request.settings),
+            cannot_repeat: request.factory.cannot_repeat(request.settings),
+            seed: request.seed,
+            episodes: prepared.episodes.len(),
+            logs: request.level,
+            command: request.command.to_owned(),
+            memory: memory_use(request),
+            memory_file: request.memory_file.map(Path::to_owned),
+            truth: prepared.truth.clone(),
+            hashes: Hashes::of(prepared)?,
+            suite: prepared.suite.clone(),
+        })
+    }
+
+    /// Reads the record of the run in the folder `run`.
+    ///
+    /// # Errors
+    /// [`BenchError::File`] or [`BenchError::WrongFormat`].
+    pub fn read(run: &Path) -> Result<Self, BenchError> {
+        read_json(&run.join(RUN), "record of a run")
+    }
+
+    /// Writes the record of the run into the folder `run`.
+    ///
+    /// # Errors
+    /// [`BenchError::BadFile`].
+    pub fn write(&self, run: &Path) -> Result<(), BenchError> {
+        write_json(&run.join(RUN), self)
+    }
+
+    /// What recordings of this run are sealed with: nothing in the record can be exchanged
+    /// afterwards.
+    pub(super) fn hash(&self) -> [u8; 32] {
+        // Strings, numbers and lists: every value has a JSON form.
+        let json = serde_json::to_vec(self).unwrap_or_default();
+        *blake3::hash(&json).as_bytes()
+    }
+
+    /// What the results say about their making.
+    pub(super) fn provenance(&self) -> Provenance {
+        Provenance {
+            build: self.build.clone(),
+            processor: self.processor.clone(),
+            hashes: self.hashes.clone(),
+            models: self.models.clone(),
+            cannot_repeat: self.cannot_repeat.clone(),
+        }
+    }
+
+    /// In what a run that would begin now differs from this one; `None` if this one can be
+    /// continued.
+    pub(super) fn difference(&self, now: &Self) -> Option<String> {
+        let pairs = [
+            ("version", &self.version, &now.version),
+            ("commit", &self.build.commit, &now.build.commit),
+            ("world", &self.hashes.world, &now.hashes.world),
+            ("map", &self.hashes.map, &now.hashes.map),
+            ("suite", &self.hashes.suite, &now.hashes.suite),
+        ];
+        let other = pairs.into_iter().find(|(_, then, now)| then != now);
+        if let Some((what, then, now)) = other {
+            return Some(format!("its {what} is {then}, now it is {now}"));
+        }
+        // Another processor may continue a run.
+        let same = Self {
+            processor: self.processor.clone(),
+            build: self.build.clone(),
+            ..now.clone()
+        };
+        (same != *self).then(|| "its settings, models or memory are others now".to_owned())
+    }
+}
+
+/// What a memory adds to the public map.
+fn memory_use(request: &RunRequest<'_>) -> Option<MemoryUse> {
+    let memory = request.memory?;
+    let mut merged = request.prepared.world.map.clone();
+    Some(MemoryUse {
+        doors: merge_entrances(&mut merged, memory),
+        hash: hash_bytes(&memory.to_xml()),
+    })
+}
+
+/// The model name of the processor, where Linux tells.
+fn processor() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}

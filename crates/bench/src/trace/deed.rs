@@ -1,0 +1,201 @@
+//! What an agent does besides driving: as much of it as enters a trace.
+
+use openbench_core::{
+    Address, Event, GiveUp, Health, MapPoint, ModelUse, Plan, Pose2, PoseEstimate,
+};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A number in JSON, where what is not finite is null.
+///
+/// Agents may report anything. JSON has no NaN and no infinity, so all of them become NaN here, in
+/// the trace as in its recording.
+#[derive(Debug, Clone, Copy)]
+pub struct Number(f64);
+
+impl Number {
+    /// A number; infinities become NaN.
+    pub fn new(value: f64) -> Self {
+        Self(if value.is_finite() { value } else { f64::NAN })
+    }
+
+    /// Its value.
+    pub fn value(self) -> f64 {
+        self.0
+    }
+}
+
+/// By bits: a recording that is read again is equal, and 0.0 is not -0.0.
+impl PartialEq for Number {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.to_bits() == other.0.to_bits()
+    }
+}
+
+impl Serialize for Number {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Some(self.0).filter(|v| v.is_finite()).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Number {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Option::<f64>::deserialize(deserializer)?;
+        Ok(Self::new(value.unwrap_or(f64::NAN)))
+    }
+}
+
+/// A point in the `map` frame, metres: x, y.
+type Point = [Number; 2];
+
+fn point(at: MapPoint) -> Point {
+    [at.x, at.y].map(Number::new)
+}
+
+fn map_point(at: Point) -> MapPoint {
+    MapPoint::new(at[0].value(), at[1].value())
+}
+
+/// What an agent does besides driving.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
+pub enum Deed {
+    /// It could not begin.
+    Refused(GiveUp),
+    /// It made a plan.
+    Planned(Plan),
+    /// It planned a route over roads, points in `map`.
+    Routed(Vec<Point>),
+    /// It estimated its pose: x, y in metres, yaw in radians.
+    Estimated([Number; 3], Health),
+    /// It wrote a door into its map.
+    WroteDoor(Address, Point),
+    /// It read a plate.
+    Read(Reading),
+    /// It reported its use of models so far; without latency.
+    Asked(ModelUse),
+    /// It declared a delivery.
+    Delivered(Address),
+    /// It gave up deliveries.
+    GaveUp(GiveUp),
+}
+
+/// A plate as it was read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reading {
+    /// The text.
+    pub text: String,
+    /// Confidence of the reader, 0 to 1.
+    pub confidence: Number,
+    /// Corners of the text, pixels, clockwise from the top left.
+    pub corners: [Point; 4],
+}
+
+impl Reading {
+    /// The confidence as readers give it.
+    pub fn confidence(&self) -> f32 {
+        self.confidence.value() as f32
+    }
+
+    /// The corners as readers give them.
+    pub fn corners(&self) -> [[f32; 2]; 4] {
+        self.corners.map(|corner| corner.map(|c| c.value() as f32))
+    }
+}
+
+impl Deed {
+    /// What an event adds to a trace; `None` for events that are for logs alone.
+    pub fn of(event: &Event) -> Option<Self> {
+        Some(match event {
+            Event::Plan(plan) => Self::Planned(plan.clone()),
+            Event::Route(points) => Self::Routed(points.iter().map(|p| point(*p)).collect()),
+            Event::PoseEstimate(PoseEstimate { pose, health }) => {
+                Self::Estimated([pose.x, pose.y, pose.yaw].map(Number::new), *health)
+            }
+            Event::DoorWritten { address, position } => {
+                Self::WroteDoor(address.clone(), point(*position))
+            }
+            Event::PlateRead {
+                text,
+                confidence,
+                corners,
+                ..
+            } => Self::Read(Reading {
+                text: text.clone(),
+                confidence: Number::new(f64::from(*confidence)),
+                corners: corners.map(|corner| corner.map(|c| Number::new(f64::from(c)))),
+            }),
+            // Without the time until the answers, which is the machine's: episodes repeat.
+            Event::Models(used) => Self::Asked(ModelUse {
+                latency_ms: 0,
+                ..*used
+            }),
+            Event::Task(_) | Event::Path(_) | Event::Waypoints(_) | Event::Note(_) => return None,
+        })
+    }
+
+    /// The points of a route.
+    pub fn route(points: &[[Number; 2]]) -> Vec<MapPoint> {
+        points.iter().map(|p| map_point(*p)).collect()
+    }
+
+    /// A position in the `map` frame.
+    pub fn position(at: [Number; 2]) -> MapPoint {
+        map_point(at)
+    }
+
+    /// An estimated pose.
+    pub fn estimate([x, y, yaw]: [Number; 3], health: Health) -> PoseEstimate {
+        let pose = Pose2::new(x.value(), y.value(), yaw.value());
+        PoseEstimate { pose, health }
+    }
+}
+
+/// A deed and its time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimedDeed {
+    /// Number of steps of 50 ms before it.
+    pub step: u32,
+    /// The deed.
+    #[serde(rename = "do")]
+    pub deed: Deed,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_finite_is_null_in_json_and_nan_again() {
+        let pose = Pose2::new(f64::INFINITY, -0.0, 0.1 + 0.2);
+        let estimate = PoseEstimate {
+            pose,
+            health: Health::Lost,
+        };
+        let deed = Deed::of(&Event::PoseEstimate(estimate)).unwrap();
+        let json = serde_json::to_string(&deed).unwrap();
+        assert_eq!(
+            json,
+            r#"{"estimated":[[null,-0.0,0.30000000000000004],"lost"]}"#
+        );
+        assert_eq!(serde_json::from_str::<Deed>(&json).unwrap(), deed);
+    }
+
+    #[test]
+    fn single_precision_is_kept_to_the_bit() {
+        let corners = [[0.1, 0.2], [1e-30, 3e30], [f32::NAN, 0.7], [5.5, -0.0]];
+        let reading = Reading {
+            text: "UNIT 1".into(),
+            confidence: Number::new(f64::from(0.9_f32)),
+            corners: corners.map(|corner| corner.map(|c| Number::new(f64::from(c)))),
+        };
+        let json = serde_json::to_string(&reading).unwrap();
+        let again: Reading = serde_json::from_str(&json).unwrap();
+        assert_eq!(again.confidence(), 0.9);
+        let bits = |corners: [[f32; 2]; 4]| corners.map(|corner| corner.map(f32::to_bits));
+        assert_eq!(bits(again.corners())[1], bits(corners)[1]);
+        assert!(again.corners()[2][0].is_nan());
+    }
+}
