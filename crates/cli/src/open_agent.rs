@@ -13,7 +13,7 @@ use openbench_bench::{
     AgentFactory, AgentRequest, FixNoise, ModelDigest, Setting, SimulatedFixes, TruthHandle,
     TruthLocalizer,
 };
-use openbench_core::Agent;
+use openbench_core::{Agent, RobotDescription};
 use openbench_models::{CATALOGUE, ModelFile, ModelSpec, ModelStore, PullEvent};
 use openbench_vision::readers::model_files;
 
@@ -21,6 +21,8 @@ use openbench_vision::readers::model_files;
 pub const NAME: &str = "open";
 /// The localizer that returns the true pose.
 const TRUE_POSE: &str = "truth";
+/// The source of fixes that the robot's satellite receiver is.
+const RECEIVER: &str = "gnss";
 /// The source of fixes with errors of known size.
 const DISTURBED_TRUTH: &str = "disturbed-truth";
 
@@ -85,6 +87,21 @@ impl AgentFactory for OpenFactory {
         // Only names are looked up, so an empty handle will do.
         let catalogue = with_truth(self.catalogue.clone(), &TruthHandle::default(), 0);
         Ok(catalogue.check(&settings)?)
+    }
+
+    fn check_robot(
+        &self,
+        settings: &AgentSettings,
+        robot: &RobotDescription,
+    ) -> Result<(), AgentError> {
+        if names(settings, "fixes", RECEIVER) && robot.gnss.is_none() {
+            return Err(
+                "fixes=gnss: the robot has no receiver; add `gnss = true` under [sensors] to the \
+                 suite"
+                    .into(),
+            );
+        }
+        Ok(())
     }
 
     fn prepare(

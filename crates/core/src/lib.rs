@@ -11,6 +11,7 @@
 //! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: deliveries in driving order |
 //! | [`agent`] | [`Agent`], [`Briefing`], [`Observation`], [`Action`]: the contract |
 //! | [`health`] | [`Health`], [`Doubt`]: how far an estimated pose can be trusted |
+//! | [`input`] | reading files that users name |
 //! | [`model_use`] | [`ModelUse`]: use of language and vision models |
 //! | [`registry`] | [`Registry`]: exchangeable parts by name |
 //! | [`causes`] | [`with_causes`]: an error and its causes as text |
@@ -22,6 +23,7 @@ pub mod causes;
 pub mod events;
 pub mod frames;
 pub mod health;
+pub mod input;
 pub mod model_use;
 pub mod plan;
 pub mod registry;

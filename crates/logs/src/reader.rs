@@ -78,7 +78,7 @@ impl LogReader<BufReader<File>> {
     /// [`LogError::File`], [`LogError::Read`], [`LogError::NotMcap`].
     pub fn open(path: impl AsRef<Path>) -> Result<Self, LogError> {
         let path = path.as_ref();
-        let file = File::open(path).map_err(|source| LogError::File {
+        let file = openbench_core::input::open(path).map_err(|source| LogError::File {
             path: path.to_owned(),
             source,
         })?;

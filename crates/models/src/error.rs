@@ -19,8 +19,8 @@ pub type Cause = Box<dyn std::error::Error + Send + Sync>;
 pub enum SpecError {
     /// The text has none of the known forms.
     #[error(
-        "`{spec}` is not a chat model: write openai:MODEL, openai:MODEL@URL, anthropic:MODEL, \
-         gemini:MODEL, ollama:MODEL, local:NAME or replay:FILE"
+        "`{spec}` is not a chat model: write openai:MODEL, openai:MODEL@http://HOST:PORT/v1, \
+         anthropic:MODEL, gemini:MODEL, ollama:MODEL, local:NAME or replay:FILE"
     )]
     Unknown {
         /// The text.

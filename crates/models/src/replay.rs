@@ -210,7 +210,7 @@ impl Replay {
     /// [`ReplayError`] if the file cannot be read, is longer than 256 MiB, or a line is not an
     /// exchange.
     pub fn open(file: &Path) -> Result<Self, ReplayError> {
-        let reader = std::fs::File::open(file).map_err(|source| ReplayError::Read {
+        let reader = openbench_core::input::open(file).map_err(|source| ReplayError::Read {
             file: file.into(),
             source,
         })?;

@@ -139,6 +139,10 @@ impl ModelSpec {
             Some(at) => (&text[..at], Some(&text[at + 1..])),
             None => (text, preset),
         };
+        // Such a model would be asked for at the provider's own endpoint, with the user's key.
+        if model.split('@').skip(1).any(looks_like_address) {
+            return None;
+        }
         let base = base.map(str::to_owned);
         (!model.is_empty()).then(|| Self::Remote {
             provider,
@@ -146,6 +150,17 @@ impl ModelSpec {
             base,
         })
     }
+}
+
+/// Whether a part of a name is an address that lacks `http://`: a host with a port or a path, an IP
+/// address, or this machine. Versions, as in `m@20240620`, and paths, as in `@cf/m`, are none.
+fn looks_like_address(part: &str) -> bool {
+    let (authority, path) = part.split_once('/').unwrap_or((part, ""));
+    let (host, port) = authority.rsplit_once(':').unwrap_or((authority, ""));
+    let has_port = !port.is_empty() && port.bytes().all(|byte| byte.is_ascii_digit());
+    let is_host = host == "localhost" || host.parse::<std::net::IpAddr>().is_ok();
+    let is_name = host.contains('.') && !path.is_empty();
+    is_host || is_name || (has_port && (host.contains('.') || host.starts_with('[')))
 }
 
 /// The reported name of a local model: the name of its file without `.gguf`.
@@ -169,6 +184,24 @@ mod tests {
             provider,
             model: model.into(),
             base: base.map(Into::into),
+        }
+    }
+
+    #[test]
+    fn an_address_without_a_scheme_is_no_name_of_a_model() {
+        for text in [
+            "openai:x@127.0.0.1:5091",
+            "openai:x@localhost/v1",
+            "openai:x@[::1]:80/v1",
+            "anthropic:x@llm.example:443",
+            "openai:x@llm.example/v1",
+            "openai:x@user:secret@llm.example:443/v1",
+        ] {
+            let error = ModelSpec::parse(text).unwrap_err().to_string();
+            assert!(error.contains("http://"), "{text}: {error}");
+        }
+        for text in ["openai:m@20240620", "openai:@cf/m:7b", "openai:a@b"] {
+            assert!(ModelSpec::parse(text).is_ok(), "{text}");
         }
     }
 

@@ -17,10 +17,11 @@ const PIP_TIMEOUT: Duration = Duration::from_secs(900);
 /// Length of the output of pip in errors, characters.
 const QUOTED_CHARS: usize = 400;
 /// Commands for pip, in the order in which they are tried: those that name an interpreter first,
-/// since a bare `pip` may be of another, broken installation.
+/// since a bare `pip` may be of another, broken installation. Isolated (`-I`), Python takes no
+/// modules from the working folder or from the user's environment variables.
 const PIP_COMMANDS: [&[&str]; 4] = [
-    &["python3", "-m", "pip"],
-    &["python", "-m", "pip"],
+    &["python3", "-I", "-m", "pip"],
+    &["python", "-I", "-m", "pip"],
     &["pip3"],
     &["pip"],
 ];
@@ -79,6 +80,8 @@ fn download(pip: &[&str], wheel: Wheel, into: &Path) -> Outcome {
         .arg("--dest")
         .arg(into)
         .arg(format!("{}=={}", wheel.package, wheel.version))
+        // An empty folder: nothing in the user's can take the place of pip.
+        .current_dir(into)
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(log)

@@ -20,6 +20,9 @@ use openbench_geometry::Polygon;
 /// A door farther than this from every outline belongs to no building, metres: porches and canopies
 /// stand so far in front of a wall, and many maps are no more exact.
 const DOOR_REACH_M: f64 = 3.0;
+/// Most nodes of a road or barrier. The OSM database allows 2,000; a way that goes back and forth a
+/// hundred thousand times is no road.
+const MOST_NODES: usize = 5_000;
 
 /// A building.
 #[derive(Debug, Clone, PartialEq)]
@@ -467,7 +470,14 @@ fn runs(shaper: &Shaper<'_>, way: &Way) -> Vec<Run> {
     let affordable = stretches.filter(|stretch| shaper.afford(stretch.len(), &way.tags));
     affordable
         .map(|stretch| {
-            let (nodes, points) = stretch.iter().flatten().copied().unzip();
+            let mut stretch: Vec<(i64, MapPoint)> = stretch.iter().flatten().copied().collect();
+            // A road that stays at a node has no direction there.
+            stretch.dedup_by_key(|(node, _)| *node);
+            stretch
+        })
+        .filter(|stretch| (2..=MOST_NODES).contains(&stretch.len()))
+        .map(|stretch| {
+            let (nodes, points) = stretch.into_iter().unzip();
             Run { nodes, points }
         })
         .collect()

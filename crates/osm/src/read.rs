@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use openbench_core::input;
+
 use crate::data::OsmData;
 use crate::error::OsmError;
 use crate::{pbf, xml};
@@ -50,9 +52,12 @@ impl OsmData {
     }
 }
 
+/// Maps are read as a whole. Those of countries have up to a few gigabytes.
+const LARGEST_MAP_BYTES: u64 = 8 << 30;
+
 /// All bytes of a file.
 pub(crate) fn file_bytes(path: &Path) -> Result<Vec<u8>, OsmError> {
-    std::fs::read(path).map_err(|source| OsmError::Io {
+    input::read(path, LARGEST_MAP_BYTES).map_err(|source| OsmError::Io {
         doing: "read",
         path: path.to_owned(),
         source,

@@ -54,16 +54,30 @@ pub struct UnitText {
 /// assert_eq!(parse_unit("EXIT"), None);
 /// ```
 pub fn parse_unit(text: &str) -> Option<UnitText> {
-    let folded: String = fold_name(text)
-        .chars()
-        // Marks between word and number, as in `No. 12`, `UNIT-3`, `N° 4`.
-        .filter(|c| !matches!(c, '.' | ':' | '#' | '-' | '°' | '：' | '．'))
-        .collect();
+    if names_a_range(text) {
+        return None;
+    }
+    let folded: String = fold_name(text).chars().filter(|c| !is_mark(*c)).collect();
     let candidates = [after_word(&folded), before_word(&folded), bare(&folded)];
     candidates
         .into_iter()
         .flatten()
         .max_by(|a, b| a.score.total_cmp(&b.score))
+}
+
+/// Whether a mark stands between two digits, as in `UNIT 1-4`: several units, or part of a number.
+fn names_a_range(text: &str) -> bool {
+    let letters: Vec<char> = text.chars().filter(|c| !c.is_whitespace()).collect();
+    let is_range = |w: &[char]| w[0].is_ascii_digit() && is_mark(w[1]) && w[2].is_ascii_digit();
+    letters.windows(3).any(is_range)
+}
+
+/// Marks between word and number, as in `No. 12`, `UNIT-3`, `N° 4`.
+fn is_mark(letter: char) -> bool {
+    matches!(
+        letter,
+        '.' | ':' | '#' | '-' | '–' | '~' | '°' | '：' | '．'
+    )
 }
 
 /// A number after a word, as in `unit12`. The word may have one wrong letter.

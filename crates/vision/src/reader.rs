@@ -64,12 +64,13 @@ impl PlateReading {
 /// pixel.
 pub(crate) fn check_image(image: &Image) -> Result<(), ReaderError> {
     let (width, height) = (image.width, image.height);
-    let expected = 3 * width as usize * height as usize;
+    // In 64 bits, which hold any product of two sides.
+    let expected = 3 * u64::from(width) * u64::from(height);
     let detail = if width == 0 || height == 0 {
         format!("{width} x {height} pixels")
     } else if width.max(height) > MAX_SIDE_PX {
         format!("{width} x {height} pixels, but no side may exceed {MAX_SIDE_PX}")
-    } else if image.rgb.len() != expected {
+    } else if image.rgb.len() as u64 != expected {
         format!(
             "{width} x {height} pixels need {expected} bytes, there are {}",
             image.rgb.len()

@@ -17,7 +17,7 @@ use crate::run::files::{
     REPORT, RESULTS, actions_path, exchanges_path, log_path, map_path, read_file, remove_files_of,
     write_file,
 };
-use crate::run::folder::{RunFolder, interrupted};
+use crate::run::folder::{RunFolder, interrupted_in};
 use crate::run::observer::Observer;
 use crate::run::output::{FinishedRun, MachineTimes, RunOutput};
 use crate::run::record::RunRecord;
@@ -47,7 +47,8 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
         Some(out) => {
             let folder = RunFolder::lock(out)?;
             begin(request, &record, &folder, out)?;
-            let output = drive_all(request, &record, Some(&folder.unfinished()))?;
+            let driven = drive_all(request, &record, Some(&folder.unfinished()));
+            let output = driven.inspect_err(|_| folder.abandon())?;
             if let Some(path) = request.memory_file {
                 write_file(path, &output.memory.to_xml())?;
             }
@@ -64,7 +65,7 @@ fn begin(
     folder: &RunFolder,
     out: &Path,
 ) -> Result<(), BenchError> {
-    let left = interrupted(out)?;
+    let left = interrupted_in(out)?;
     match (request.unfinished, left) {
         (Unfinished::Resume, Some(left)) => match left.record.difference(record) {
             Some(difference) => Err(BenchError::CannotResume {
@@ -95,6 +96,10 @@ fn drive_all(
     let sealed_with = resumed_record(request, record, into)?;
     let record = sealed_with.as_ref().unwrap_or(record);
     let traces = for_each_episode(request, |number| {
+        // Relaxed suffices: no other memory depends on the flag.
+        if request.stop.load(Ordering::Relaxed) {
+            return Err(BenchError::Interrupted);
+        }
         let finished = into.and_then(|run| finished_episode(request, record, run, number));
         let trace = match finished {
             Some(trace) => {

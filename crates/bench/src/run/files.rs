@@ -3,12 +3,15 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use openbench_core::input;
 use openbench_osm::write_atomically;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::BenchError;
 
+/// Bound for recordings, results and maps of a run. That of an hour has a few megabytes.
+const MOST_BYTES: u64 = 256 << 20;
 /// Name of the file with the parameters.
 pub(super) const RUN: &str = "run.json";
 /// Name of the file with the results.
@@ -42,7 +45,7 @@ pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), BenchError> {
 
 /// Reads a file.
 pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, BenchError> {
-    std::fs::read(path).map_err(|e| BenchError::file(path, e))
+    input::read(path, MOST_BYTES).map_err(|e| BenchError::file(path, e))
 }
 
 /// Whether a file has the name of an episode's file: a number of three digits or more, a dot and a

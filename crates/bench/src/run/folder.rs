@@ -111,6 +111,15 @@ impl RunFolder {
         record.write(&folder)
     }
 
+    /// Leaves a run that has failed. Without a finished episode, nothing of it is worth keeping.
+    pub(super) fn abandon(&self) {
+        let left = interrupted_in(&self.out);
+        if left.is_ok_and(|left| left.is_none_or(|left| left.finished == 0)) {
+            // The error that ended the run is the one to report.
+            let _ = std::fs::remove_dir_all(self.unfinished());
+        }
+    }
+
     /// Puts the files of the complete run in the places of those of the run before.
     pub(super) fn publish(&self) -> Result<(), BenchError> {
         let folder = self.unfinished();
@@ -204,11 +213,21 @@ pub struct InterruptedRun {
     pub finished: usize,
 }
 
-/// The interrupted run in the folder `out`; `None` if there is none that can be resumed.
+/// The interrupted run in the folder `out`; `None` if there is none that can be resumed. A complete
+/// run whose files were not exchanged to the end takes its place first.
 ///
 /// # Errors
-/// A file that is damaged.
+/// [`BenchError::Busy`] while another process runs there, or a file that is damaged.
 pub fn interrupted(out: &Path) -> Result<Option<InterruptedRun>, BenchError> {
+    if !out.join(UNFINISHED).exists() {
+        return Ok(None);
+    }
+    RunFolder::lock(out)?;
+    interrupted_in(out)
+}
+
+/// The interrupted run in a folder that is locked.
+pub(super) fn interrupted_in(out: &Path) -> Result<Option<InterruptedRun>, BenchError> {
     let folder = out.join(UNFINISHED);
     if !folder.join(RUN).exists() {
         return Ok(None);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::PathBuf;
 
-use openbench_core::Agent;
+use openbench_core::{Agent, RobotDescription};
 use openbench_models::{Exchanges, PullEvent};
 use openbench_osm::OsmData;
 
@@ -47,6 +47,19 @@ pub trait AgentFactory: Send + Sync {
     /// An error that names the setting with an unknown or invalid value.
     fn check(&self, settings: &AgentSettings) -> Result<(), AgentError> {
         let _ = settings;
+        Ok(())
+    }
+
+    /// Checks that the robot has what the settings need, such as a receiver.
+    ///
+    /// # Errors
+    /// An error that names the setting, and what the robot lacks.
+    fn check_robot(
+        &self,
+        settings: &AgentSettings,
+        robot: &RobotDescription,
+    ) -> Result<(), AgentError> {
+        let _ = (settings, robot);
         Ok(())
     }
 

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse};
+use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, input};
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +17,9 @@ use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationS
 use crate::score::provenance::{Provenance, Setting};
 use crate::suite::{Sensors, TargetSource};
 use crate::trace::SmoothnessSum;
+
+/// Bound for a file of results, bytes.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -331,7 +334,7 @@ impl Results {
     /// # Errors
     /// A file that cannot be read, or is no results file; the error has line and column.
     pub fn read(path: &Path) -> Result<Self, ResultsError> {
-        let json = fs::read(path).map_err(|source| ResultsError::File {
+        let json = input::read(path, MOST_BYTES).map_err(|source| ResultsError::File {
             path: path.to_owned(),
             source,
         })?;

@@ -68,7 +68,7 @@ pub fn is_annotated(path: &Path) -> bool {
 /// # Errors
 /// A file that cannot be read, has no instructions, or has a line that is not as described.
 pub fn read(path: &Path) -> Result<Vec<Episode>, BenchError> {
-    let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
+    let text = openbench_core::input::read_text(path).map_err(|e| BenchError::file(path, e))?;
     let lines = (1..)
         .zip(text.lines().map(str::trim))
         .filter(|(_, line)| !line.is_empty());

@@ -76,6 +76,9 @@ impl Episode {
     }
 }
 
+/// Most people, and most cars, that a suite may ask for. A neighbourhood has space for hundreds.
+const MOST_MOVERS: usize = 10_000;
+
 /// A world and the episodes in it.
 ///
 /// ```
@@ -123,11 +126,15 @@ impl Suite {
     /// [`BenchError::File`], [`BenchError::WrongFormat`], or [`BenchError::BadFile`] for a suite
     /// without episodes.
     pub fn read(path: &Path) -> Result<Self, BenchError> {
-        let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
+        let text = openbench_core::input::read_text(path).map_err(|e| BenchError::file(path, e))?;
         let suite: Self =
             toml::from_str(&text).map_err(|e| BenchError::wrong_format(path, "suite", e))?;
         if suite.episodes.is_empty() {
             return Err(BenchError::bad_file(path, "the suite has no episodes"));
+        }
+        if suite.traffic.pedestrians.max(suite.traffic.cars) > MOST_MOVERS {
+            let problem = format!("[traffic]: at most {MOST_MOVERS} pedestrians and as many cars");
+            return Err(BenchError::bad_file(path, problem));
         }
         for (number, episode) in suite.episodes.iter().enumerate() {
             let bad = |problem| format!("episode {number}: {problem}");

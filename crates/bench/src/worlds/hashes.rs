@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use openbench_core::input;
 use openbench_scene::{Material, Scene, World};
 use serde::{Deserialize, Serialize};
 
@@ -58,7 +59,7 @@ pub fn hash_bytes(bytes: &[u8]) -> String {
 /// [`BenchError::File`].
 pub fn hash_file(path: &Path) -> Result<String, BenchError> {
     let mut hasher = blake3::Hasher::new();
-    std::fs::File::open(path)
+    input::open(path)
         .and_then(|file| hasher.update_reader(file).map(drop))
         .map_err(|e| BenchError::file(path, e))?;
     Ok(hasher.finalize().to_hex().to_string())

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use openbench_core::{Georeference, Pose2};
+use openbench_core::{Georeference, Pose2, input};
 use openbench_osm::OsmData;
 use openbench_scene::World;
 use openbench_scene::generate::{GenerateOptions, generate};
@@ -73,7 +73,7 @@ impl Recipe {
     /// [`BenchError::File`] or [`BenchError::WrongFormat`].
     pub fn read(folder: &Path) -> Result<Self, BenchError> {
         let path = folder.join(RECIPE);
-        let text = std::fs::read_to_string(&path).map_err(|e| BenchError::file(&path, e))?;
+        let text = input::read_text(&path).map_err(|e| BenchError::file(&path, e))?;
         toml::from_str(&text).map_err(|e| BenchError::wrong_format(&path, "recipe of a world", e))
     }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use openbench_core::{Address, MapPoint};
+use openbench_core::{Address, MapPoint, input};
 use openbench_scene::Door;
 
 use crate::BenchError;
@@ -87,7 +87,7 @@ pub(super) fn read_truths(
     suite: &Suite,
     doors: &[Door],
 ) -> Result<Vec<Vec<usize>>, BenchError> {
-    let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
+    let text = input::read_text(path).map_err(|e| BenchError::file(path, e))?;
     let lines = parse_truth(&text).map_err(|LineProblem { line, problem }| {
         BenchError::bad_file(path, format!("line {line}: {problem}"))
     })?;

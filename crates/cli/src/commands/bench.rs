@@ -41,7 +41,7 @@ struct GraphSolved {
 
 fn posegraph(args: &BenchPosegraphArgs) -> anyhow::Result<Outcome> {
     let file = || args.graph.display().to_string();
-    let text = std::fs::read_to_string(&args.graph).with_context(file)?;
+    let text = openbench_core::input::read_text(&args.graph).with_context(file)?;
     let mut graph = PoseGraph::parse(&text).with_context(file)?;
     let GraphSize {
         poses: vertices,

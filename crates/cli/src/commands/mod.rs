@@ -82,6 +82,25 @@ pub fn unbounded_models(planner: &str, exchanges: Option<&Path>) -> anyhow::Resu
     Ok(Models::new(budget, exchanges))
 }
 
+/// Refuses to write a file that the command reads, or two results to one file.
+pub fn spare_inputs(read: &[&Path], written: &[&Path]) -> anyhow::Result<()> {
+    for (i, out) in written.iter().enumerate() {
+        let others = read.iter().chain(&written[..i]);
+        // By name as well: a file that does not exist yet has no canonical path.
+        if let Some(same) = others
+            .into_iter()
+            .find(|path| *path == out || is_same_file(path, out))
+        {
+            anyhow::bail!(
+                "{} would overwrite {}; name another file",
+                out.display(),
+                same.display()
+            );
+        }
+    }
+    Ok(())
+}
+
 fn is_same_file(one: &Path, other: &Path) -> bool {
     one.canonicalize()
         .is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))

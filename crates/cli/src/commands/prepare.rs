@@ -13,6 +13,7 @@ pub fn run(args: &PrepareArgs) -> anyhow::Result<Outcome> {
     } else {
         CellSizes::new(&args.cells)?
     };
+    super::spare_inputs(&[&args.map], &[&args.out])?;
     let roads = super::route::read_roads(&args.map, &sizes)?;
     store::write(&roads, &args.out)?;
     say(&summary(&roads))?;

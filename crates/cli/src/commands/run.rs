@@ -44,6 +44,8 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
         Unfinished::Keep
     };
     let prepared = prepare(args)?;
+    let fits = factory.check_robot(&settings, &prepared.robot);
+    fits.map_err(anyhow::Error::from_boxed)?;
     prepare_agent(factory, &settings)?;
     let read = factory
         .inputs(&settings)

@@ -30,7 +30,10 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
     };
     let stage = Stage::with_figures(world.scene.clone(), plan)?;
     let view = match args.from {
-        Some(pose) => street_view(stage.caster(), pose),
+        Some(pose) => {
+            refuse_outside(&world, pose)?;
+            street_view(stage.caster(), pose)
+        }
         None => birds_eye(&world, args.above),
     };
     let view = View {
@@ -230,6 +233,26 @@ fn source(args: &ShowArgs) -> anyhow::Result<WorldSource> {
         }),
         _ => anyhow::bail!("name a built-in world or a world's folder, or give --world and --map"),
     }
+}
+
+/// Refuses a view from where there is no world.
+fn refuse_outside(world: &World, pose: Pose2) -> anyhow::Result<()> {
+    let vertices = world.scene.vertices.iter();
+    let corners = vertices.map(|v| [v.position[0], v.position[1]].map(f64::from));
+    let bounds = corners.fold(
+        [f64::INFINITY, f64::INFINITY, -f64::INFINITY, -f64::INFINITY],
+        |b, [x, y]| [b[0].min(x), b[1].min(y), b[2].max(x), b[3].max(y)],
+    );
+    let [west, south, east, north] = bounds;
+    if !(west..=east).contains(&pose.x) || !(south..=north).contains(&pose.y) {
+        anyhow::bail!(
+            "--from {},{}: there is nothing; the world reaches from {west:.0},{south:.0} to \
+             {east:.0},{north:.0}",
+            pose.x,
+            pose.y
+        );
+    }
+    Ok(())
 }
 
 /// As the robot's camera sees from `pose`, in twice its size.

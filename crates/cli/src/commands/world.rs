@@ -21,6 +21,7 @@ pub fn run(args: &WorldArgs) -> anyhow::Result<Outcome> {
 }
 
 fn generate(args: &GenerateArgs) -> anyhow::Result<Outcome> {
+    refuse_inside(&args.map, &args.out)?;
     let (map, georeference) = read_part(&args.map, &args.cut)?;
     let file = args.map.display();
     let source = args.map.file_name().unwrap_or_default().to_string_lossy();
@@ -50,6 +51,9 @@ fn generate(args: &GenerateArgs) -> anyhow::Result<Outcome> {
 fn import(args: &ImportArgs) -> anyhow::Result<Outcome> {
     // Relative paths of a recipe count from its folder, those of the command line do not.
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    for input in [&args.map, &args.world] {
+        refuse_inside(input, &args.out)?;
+    }
     let map = read_data(&args.map)?;
     let georeference = match args.georef {
         Some(georeference) => georeference,
@@ -76,6 +80,22 @@ fn import(args: &ImportArgs) -> anyhow::Result<Outcome> {
         draw_request(&args.drawn, args.seed),
     )?;
     report(&written, &args.out)
+}
+
+/// Refuses to replace a folder that holds what the world is made from.
+fn refuse_inside(input: &Path, out: &Path) -> anyhow::Result<()> {
+    let (Ok(input), Ok(folder)) = (input.canonicalize(), out.canonicalize()) else {
+        // A missing input is reported where it is read, and a new folder holds nothing.
+        return Ok(());
+    };
+    if input.starts_with(&folder) {
+        anyhow::bail!(
+            "{} lies in {}, which the world replaces; choose another folder with --out",
+            input.display(),
+            out.display()
+        );
+    }
+    Ok(())
 }
 
 fn draw_request(drawn: &DrawArgs, seed: u64) -> DrawRequest {

@@ -9,8 +9,10 @@
 //! |---|---|
 //! | `wire` | protocol buffers |
 //! | `block` | nodes, ways and relations of a block |
+//! | `bounded` | no more elements than a map of that size can have |
 
 mod block;
+mod bounded;
 mod wire;
 
 use std::io::Read;
@@ -19,6 +21,7 @@ use flate2::read::ZlibDecoder;
 
 use crate::error::{OsmError, Place, Problem};
 use crate::visitor::Visitor;
+use bounded::Bounded;
 use wire::{Field, Fields};
 
 /// The format's limits for blobs, compressed or not, and for headers, bytes.
@@ -40,8 +43,10 @@ pub(crate) fn looks_like_pbf(bytes: &[u8]) -> bool {
 /// Shows all elements of a file to a visitor.
 pub(crate) fn read(bytes: &[u8], visitor: &mut impl Visitor) -> Result<(), OsmError> {
     let mut unpacked = Vec::new();
+    let mut bounded = Bounded::new(visitor, bytes.len());
     for blob in blobs(bytes)? {
-        blob.read(&mut unpacked, visitor)
+        blob.read(&mut unpacked, &mut bounded)
+            .and_then(|()| bounded.check())
             .map_err(|problem| at(blob.offset, problem))?;
     }
     Ok(())

@@ -119,9 +119,11 @@ impl Profile {
                 name: name.to_owned(),
             });
         }
-        let text = std::fs::read_to_string(name).map_err(|source| ProfileError::Io {
-            name: name.to_owned(),
-            source,
+        let text = openbench_core::input::read_text(Path::new(name)).map_err(|source| {
+            ProfileError::Io {
+                name: name.to_owned(),
+                source,
+            }
         })?;
         Self::from_toml(name, &text)
     }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use bytemuck::Pod;
 use memmap2::Mmap;
+use openbench_core::input;
 
 use super::{Column, check, map};
 use crate::network::{Network, RoadNames, TagSets, Texts};
@@ -47,7 +48,7 @@ pub enum GraphFileError {
 /// Whether a file begins like a graph file.
 pub fn is_graph_file(path: &Path) -> bool {
     let mut begin = [0; MAGIC.len()];
-    File::open(path)
+    input::open(path)
         .and_then(|mut file| file.read_exact(&mut begin))
         .is_ok()
         && begin == MAGIC
@@ -130,7 +131,7 @@ pub fn read(path: &Path) -> Result<Roads, GraphFileError> {
         path: path.to_owned(),
         source,
     };
-    let mut file = File::open(path).map_err(io)?;
+    let mut file = input::open(path).map_err(io)?;
     let bad = |problem: &str| GraphFileError::Bad {
         path: path.to_owned(),
         problem: problem.to_owned(),

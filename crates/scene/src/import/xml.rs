@@ -5,6 +5,7 @@
 use std::path::Path;
 use std::str::FromStr;
 
+use openbench_core::input;
 use roxmltree::{Document, Node, ParsingOptions, TextPos};
 
 use super::error::ImportError;
@@ -21,7 +22,7 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ImportError> {
     if length > MAX_FILE_BYTES as u64 {
         return Err(ImportError::too_large(path, "bytes", MAX_FILE_BYTES));
     }
-    std::fs::read(path).map_err(io)
+    input::read(path, MAX_FILE_BYTES as u64).map_err(io)
 }
 
 /// The text of a file of bounded size. Bytes that are not UTF-8 are replaced: they occur in names

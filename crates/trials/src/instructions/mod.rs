@@ -200,7 +200,7 @@ pub fn read(path: &Path) -> Result<Vec<Case>, InstructionsError> {
     if std::fs::metadata(path).map_err(failed)?.len() > MAX_FILE_BYTES {
         return Err(InstructionsError::TooLarge { path: path.into() });
     }
-    let text = std::fs::read_to_string(path).map_err(failed)?;
+    let text = openbench_core::input::read_text(path).map_err(failed)?;
     let name = path.display().to_string();
     // A line of a file of lines begins with a brace.
     if !text.trim_start().starts_with('[') {

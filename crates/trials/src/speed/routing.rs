@@ -85,7 +85,8 @@ pub fn read_pairs(path: &Path) -> Result<Vec<[Place; 2]>, BenchError> {
             format!("line {line} is not lon,lat,lon,lat in degrees"),
         )
     };
-    let text = std::fs::read_to_string(path).map_err(|error| BenchError::file(path, error))?;
+    let text =
+        openbench_core::input::read_text(path).map_err(|error| BenchError::file(path, error))?;
     let mut pairs = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         if line.trim().is_empty() || (number == 1 && line.contains(|c: char| c.is_alphabetic())) {

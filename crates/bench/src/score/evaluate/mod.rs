@@ -10,11 +10,10 @@
 //! straight line from the origin, or in a sequence from the previous true position.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use openbench_core::MapPoint;
+use openbench_core::{MapPoint, input};
 use serde::Serialize;
 
 use crate::line_problem::LineProblem;
@@ -133,7 +132,7 @@ pub struct EvaluatedDelivery {
 /// A file that cannot be read or parsed, or files that do not belong together.
 pub fn evaluate(log: &Path, truth: &Path, sequence: bool) -> Result<Evaluation, EvaluateError> {
     let read = |path: &Path| {
-        fs::read_to_string(path).map_err(|source| EvaluateError::File {
+        input::read_text(path).map_err(|source| EvaluateError::File {
             path: path.to_owned(),
             source,
         })

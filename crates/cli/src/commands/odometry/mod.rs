@@ -9,6 +9,7 @@ mod bag;
 mod sensors;
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
@@ -22,18 +23,24 @@ use openbench_logs::{LogReader, LoggedMessage};
 use serde::Serialize;
 
 use crate::args::OdometryArgs;
+use crate::commands::spare_inputs;
 use crate::outcome::{Outcome, say_json, tell};
 
 use sensors::Sensors;
 
 /// Reads a log and writes the way.
 pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
+    let files = bag::files(&args.log)?;
+    let read = files.iter().chain(&args.robot).map(PathBuf::as_path);
+    let written = args.truth.iter().chain([&args.out]).map(PathBuf::as_path);
+    spare_inputs(&read.collect::<Vec<_>>(), &written.collect::<Vec<_>>())?;
     let mut drive = Drive::new(Sensors::new(args.robot.as_deref())?, args.wheels);
     // A damaged file is used up to its first error. The files after it are still read.
-    for file in bag::files(&args.log)? {
-        for message in LogReader::open(&file)? {
+    for file in files {
+        let name = || file.display().to_string();
+        for message in LogReader::open(&file).with_context(name)? {
             match message {
-                Ok(message) => drive.take(&message)?,
+                Ok(message) => drive.take(&message).with_context(name)?,
                 Err(error) => {
                     tell(&format!(
                         "{}: only the messages before this error are used: {}",
@@ -45,6 +52,9 @@ pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
             }
         }
     }
+    drive
+        .check()
+        .with_context(|| args.log.display().to_string())?;
     openbench_osm::write_atomically(&args.out, drive.path.as_bytes())?;
     if let Some(file) = &args.truth {
         openbench_osm::write_atomically(file, drive.truth.as_bytes())?;
@@ -67,6 +77,9 @@ struct Drive {
     truth: String,
     estimates: Vec<EstimatedPose>,
     true_poses: Vec<StampedPose>,
+    /// Messages of the IMU and of the LiDAR.
+    imu_messages: usize,
+    lidar_messages: usize,
     scans: usize,
     coasting: usize,
     disputed: usize,
@@ -87,6 +100,8 @@ impl Drive {
             truth: String::new(),
             estimates: Vec::new(),
             true_poses: Vec::new(),
+            imu_messages: 0,
+            lidar_messages: 0,
             scans: 0,
             coasting: 0,
             disputed: 0,
@@ -105,6 +120,7 @@ impl Drive {
                 if !self.sensors.imu_is_on(&message.topic) {
                     return Ok(());
                 }
+                self.imu_messages += 1;
                 self.odometry
                     .imu(self.sensors.sample((&message.decode::<Imu>()?).into()))
             }
@@ -113,6 +129,7 @@ impl Drive {
                     return Ok(());
                 }
                 let cloud = message.decode::<PointCloud2>()?;
+                self.lidar_messages += 1;
                 self.odometry.scan(
                     cloud
                         .to_scan()
@@ -120,6 +137,7 @@ impl Drive {
                 )
             }
             "livox_ros_driver2/msg/CustomMsg" if self.sensors.lidar_is_on(&message.topic) => {
+                self.lidar_messages += 1;
                 self.odometry.scan(message.decode::<CustomMsg>()?.to_scan())
             }
             name if name == JointState::DEFINITION.full_name() && self.wheels.is_some() => {
@@ -151,6 +169,21 @@ impl Drive {
         }
         estimates.iter().for_each(|estimate| self.note(estimate));
         Ok(())
+    }
+
+    /// Whether there is a trajectory.
+    fn check(&self) -> anyhow::Result<()> {
+        if self.scans > 0 {
+            return Ok(());
+        }
+        let (imu, lidar) = (self.imu_messages, self.lidar_messages);
+        let hint = match (imu, lidar) {
+            (0, _) | (_, 0) => {
+                "both are needed; the description of the robot (--robot) can name their topics"
+            }
+            _ => "they are too short, or their times do not overlap",
+        };
+        anyhow::bail!("no pose follows from {imu} IMU samples and {lidar} scans: {hint}");
     }
 
     fn note(&mut self, estimate: &Estimate) {

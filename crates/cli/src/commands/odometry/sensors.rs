@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, ensure};
 use nalgebra::{Translation3, UnitQuaternion};
-use openbench_core::{ImuSample, Pose3, RobotDescription};
+use openbench_core::{ImuSample, Pose3, RobotDescription, input};
 use openbench_localization::lidar_inertial::sensor_settings;
 use openbench_localization::lio::{ImuLimits, Settings};
 use serde::Deserialize;
@@ -72,7 +72,7 @@ impl Sensors {
         let Some(path) = file else {
             return File::default().sensors();
         };
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        let text = input::read_text(path).with_context(|| path.display().to_string())?;
         let file: File = toml::from_str(&text).with_context(|| path.display().to_string())?;
         file.sensors().with_context(|| path.display().to_string())
     }
