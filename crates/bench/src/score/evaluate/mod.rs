@@ -301,8 +301,8 @@ mod tests {
     fn run(truth: &str, sequence: bool) -> Result<Evaluation, String> {
         let dir = tempfile::tempdir().unwrap();
         let (log, gt) = (dir.path().join("log.csv"), dir.path().join("gt.txt"));
-        fs::write(&log, LOG).unwrap();
-        fs::write(&gt, truth).unwrap();
+        std::fs::write(&log, LOG).unwrap();
+        std::fs::write(&gt, truth).unwrap();
         evaluate(&log, &gt, sequence).map_err(|error| with_causes(&error))
     }
 
