@@ -72,8 +72,11 @@ fn without_secrets(word: &str) -> String {
     let Some((scheme, rest)) = word.split_once("://") else {
         return word.to_owned();
     };
-    if let Some((address, _)) = rest.split_once('?') {
-        return format!("{}?…", without_secrets(&format!("{scheme}://{address}")));
+    if let Some((address, query)) = rest.split_once('?') {
+        let address = without_secrets(&format!("{scheme}://{address}"));
+        // The blank behind the word stays.
+        let blank = &query[query.trim_end().len()..];
+        return format!("{address}?…{blank}");
     }
     let end = rest.find(['/', '?', '#']).unwrap_or(rest.len());
     match rest[..end].rfind('@') {
