@@ -211,7 +211,7 @@ fn a_run_whose_answers_are_gone_is_not_asked_again() {
     std::fs::remove_file(place.path("run/episodes/000.models.jsonl")).unwrap();
     let ran = place.openbench("verify run --agent");
     assert!(
-        ran.code != 0 && ran.stderr.contains("000.models.jsonl"),
+        ran.code != 0 && ran.stderr.contains("record of answers"),
         "{}",
         ran.stderr
     );

@@ -200,7 +200,7 @@ fn a_run_in_a_world_verifies_and_moves_with_its_folder() {
             .openbench("verify run")
             .succeeded()
             .stdout
-            .contains("1 episodes repeat to the bit")
+            .contains("1 episodes: files and actions agree")
     );
 }
 

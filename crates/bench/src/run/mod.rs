@@ -11,7 +11,7 @@
 //! | `output` | [`RunOutput`]: results and merged map |
 //! | `folder` | the folder of a run: one process at a time, nothing lost |
 //! | `files` | the files in it: names, reading, writing |
-//! | [`record`] | [`RunRecord`](record::RunRecord): the parameters of a run |
+//! | [`record`] | [`RunRecord`]: the parameters of a run |
 //! | [`recorder`] | the sensor log of an episode |
 //! | [`recording`] | the actions of an episode, and [`replay`](recording::replay) |
 //! | `verify` | [`verify`]: whether the files of a run follow from its actions |

@@ -88,7 +88,8 @@ fn refuse_inside(input: &Path, out: &Path) -> anyhow::Result<()> {
         // A missing input is reported where it is read, and a new folder holds nothing.
         return Ok(());
     };
-    if input.starts_with(&folder) {
+    // A file in place of the folder is refused where the folder is written.
+    if folder.is_dir() && input.starts_with(&folder) {
         anyhow::bail!(
             "{} lies in {}, which the world replaces; choose another folder with --out",
             input.display(),
