@@ -219,7 +219,7 @@ fn refuse_own_map(prepared: &Prepared, memory: &OsmData, args: &RunArgs) -> anyh
     Ok(())
 }
 
-/// Refuses what the run is told to read from the folder whose files it replaces.
+/// Refuses an input file that the run itself would replace or remove.
 fn spare(out: &Path, read: &[PathBuf]) -> anyhow::Result<()> {
     // A folder that does not exist holds nothing to be replaced.
     let Ok(folder) = out.canonicalize() else {
