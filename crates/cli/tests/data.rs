@@ -69,7 +69,7 @@ fn published() -> Option<Vec<Vec<u8>>> {
 #[test]
 fn files_of_an_archive_are_recognised_by_their_content() {
     let Some(files) = published() else {
-        common::skipped(&format!("{PUBLISHED} is not here"));
+        common::skipped(&format!("there is no {PUBLISHED}"));
         return;
     };
     let place = tempfile::tempdir().unwrap();

@@ -144,7 +144,7 @@ fn an_unknown_planner_is_refused() {
 #[test]
 fn published_maps_are_planned_on() {
     for world in ["small", "medium"] {
-        let Some(map) = common::published(&format!("openbench/{world}/{world}.osm")) else {
+        let Some(map) = common::shared_data(&format!("openbench/{world}/{world}.osm")) else {
             return;
         };
         let map = map.display().to_string();
@@ -164,7 +164,7 @@ fn published_maps_are_planned_on() {
 
 #[test]
 fn a_campus_is_planned_on_by_the_names_of_its_buildings() {
-    let Some(map) = common::published("osm/ajou_campus.osm") else {
+    let Some(map) = common::shared_data("osm/ajou_campus.osm") else {
         return;
     };
     let map = map.display().to_string();

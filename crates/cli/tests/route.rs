@@ -12,7 +12,7 @@ fn route(words: &str) -> Ran {
 
 /// Code, number of points and metres of a route over a published map.
 fn over(map: &str, words: &str) -> Option<Value> {
-    let map = common::published(map)?;
+    let map = common::shared_data(map)?;
     let ran = town().openbench(&format!("route --map {} {words}", map.display()));
     Some(ran.succeeded().json())
 }

@@ -489,10 +489,10 @@ fn the_default_reader_finds_a_door_of_the_town() {
 
 #[test]
 fn a_published_world_is_run_with_its_truth() {
-    let Some(data) = common::published("openbench/small") else {
+    let Some(data) = common::shared_data("openbench/small") else {
         return;
     };
-    let Some(models) = common::published("gazebo_models") else {
+    let Some(models) = common::shared_data("gazebo_models") else {
         return;
     };
     let file = |name: &str| data.join(name).display().to_string();

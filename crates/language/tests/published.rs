@@ -1,26 +1,18 @@
 //! The published instruction files and the project's own list in six languages, if the folder
 //! `../shared/data` exists.
 
+#[path = "../../skips.rs"]
+mod skips;
 mod support;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use openbench_core::{Address, MapPoint};
 use openbench_language::{GrammarPlanner, PlanRequest, Planner};
 use openbench_osm::{OsmData, OsmMap};
 use serde::Deserialize;
+use skips::shared_data;
 use support::{Flat, Straight, doors, numbered, plan};
-
-fn data(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data")
-        .join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    note(&format!("skipped: no {}", path.display()));
-    None
-}
 
 /// Writes to standard error even if the test passes.
 fn note(text: &str) {
@@ -42,7 +34,7 @@ struct Case {
 
 #[test]
 fn instructions_in_six_languages() {
-    let Some(path) = data("language/instructions.json") else {
+    let Some(path) = shared_data("language/instructions.json") else {
         return;
     };
     let cases: Vec<Case> = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
@@ -80,7 +72,7 @@ fn published_instruction_files() {
             "building2/unit1 building1/unit1 building3/unit1",
         ),
     ] {
-        let Some(folder) = data(&format!("openbench/{world}")) else {
+        let Some(folder) = shared_data(&format!("openbench/{world}")) else {
             return;
         };
         let map = open(&folder.join(format!("{world}.osm")));
@@ -106,7 +98,9 @@ fn published_instruction_files() {
 #[test]
 fn names_of_real_places_are_found() {
     for file in ["osm/ajou_campus.osm", "osm/monaco.osm.pbf"] {
-        let Some(path) = data(file) else { return };
+        let Some(path) = shared_data(file) else {
+            return;
+        };
         let map = open(&path);
         let planner = GrammarPlanner::new();
         let (mut wrong, start) = (Vec::new(), std::time::Instant::now());

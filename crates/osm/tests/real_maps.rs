@@ -1,27 +1,19 @@
 //! Maps of real places. Skipped with a message if the data folder is absent.
 #![allow(clippy::print_stderr)]
 
-use std::path::PathBuf;
+#[path = "../../skips.rs"]
+mod skips;
+
 use std::time::Instant;
 
 use openbench_core::{Address, MapPoint};
 use openbench_osm::{
     Location, OsmData, OsmMap, add_entrance, default_georeference, locate, without_doors,
 };
-
-fn path(name: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data")
-        .join(name);
-    if !path.exists() {
-        eprintln!("skipped: ../shared/data/{name} is not there");
-        return None;
-    }
-    Some(path)
-}
+use skips::shared_data;
 
 fn open(name: &str) -> Option<(OsmData, OsmMap)> {
-    let path = path(name)?;
+    let path = shared_data(name)?;
     let start = Instant::now();
     let data = OsmData::read(&path).unwrap();
     let read = start.elapsed();
@@ -140,7 +132,7 @@ fn cities_are_read_whole() {
 
 #[test]
 fn a_city_reads_the_same_from_xml_and_pbf() {
-    let Some(path) = path("osm/monaco.osm.pbf") else {
+    let Some(path) = shared_data("osm/monaco.osm.pbf") else {
         return;
     };
     let data = OsmData::read(&path).unwrap();
@@ -151,7 +143,7 @@ fn a_city_reads_the_same_from_xml_and_pbf() {
 
 #[test]
 fn a_truncated_city_is_an_error() {
-    let Some(path) = path("osm/porto_portugal.osm.pbf") else {
+    let Some(path) = shared_data("osm/porto_portugal.osm.pbf") else {
         return;
     };
     let bytes = std::fs::read(path).unwrap();

@@ -1,5 +1,8 @@
 //! Alternatives are as light, as different and as sensible as promised.
 
+#[path = "../../skips.rs"]
+mod skips;
+
 use openbench_core::LonLat;
 use openbench_osm::OsmData;
 use openbench_routing::geo::Place;
@@ -7,6 +10,7 @@ use openbench_routing::leg::{Leg, Memory};
 use openbench_routing::partition::CellSizes;
 use openbench_routing::position::{Position, Snap, SnapOptions};
 use openbench_routing::{Metric, Profile, Roads};
+use skips::shared_data;
 
 /// A straight road of 400 m from west to east along the equator. Two detours in its middle lead to
 /// the north and to the south, by so many thousandths of a degree. A side street comes back to
@@ -90,13 +94,10 @@ fn a_detour_along_a_side_street_is_no_alternative() {
 /// rules.
 #[test]
 fn alternatives_through_a_city_obey_the_rules() {
-    let map = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../../shared/data/osm/porto_portugal.osm.pbf"
-    );
-    let Ok(source) = openbench_osm::stream::Source::open(map.as_ref()) else {
+    let Some(map) = shared_data("osm/porto_portugal.osm.pbf") else {
         return;
     };
+    let source = openbench_osm::stream::Source::open(&map).unwrap();
     let roads = Roads::read(&source, &Default::default()).unwrap();
     let metric = Metric::new(&roads, Profile::named("foot").unwrap()).unwrap();
     let (mut memory, mut with_others) = (Memory::default(), 0);

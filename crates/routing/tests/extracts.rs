@@ -1,5 +1,8 @@
 //! On every extract at hand and for every profile, searches over layers agree with plain Dijkstra.
 
+#[path = "../../skips.rs"]
+mod skips;
+
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::path::PathBuf;
@@ -8,15 +11,14 @@ use openbench_osm::stream::Source;
 use openbench_routing::overlay::FAR;
 use openbench_routing::search::{End, Path, Searched, TableMemory, Value, ValuedEnd, Workspace};
 use openbench_routing::{Metric, Profile, Roads};
+use skips::shared_data;
 
-#[expect(clippy::print_stderr, reason = "a test that is skipped says so")]
 fn extracts() -> Vec<PathBuf> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/osm");
-    let Ok(files) = std::fs::read_dir(&folder) else {
-        eprintln!("skipped: there is no {}", folder.display());
+    let Some(folder) = shared_data("osm") else {
         return Vec::new();
     };
-    let mut files: Vec<PathBuf> = files.filter_map(|file| Some(file.ok()?.path())).collect();
+    let files = std::fs::read_dir(folder).unwrap();
+    let mut files: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
     files.sort();
     files
 }

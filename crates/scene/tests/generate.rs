@@ -5,12 +5,15 @@ use std::collections::{BTreeSet, VecDeque};
 use std::time::Instant;
 
 mod maps;
+#[path = "../../skips.rs"]
+mod skips;
 
 use maps::{map_of, row_of_houses};
 use openbench_core::{Georeference, MapPoint, Pose2};
 use openbench_osm::{OsmData, OsmMap, Tags};
 use openbench_scene::generate::{GenerateOptions, builtin, builtin_names, generate};
 use openbench_scene::{RayCaster, Scene, SemanticClass, World};
+use skips::shared_data;
 
 fn world(name: &str, seed: u64) -> World {
     builtin(name, seed).unwrap().unwrap()
@@ -429,11 +432,10 @@ fn the_start_is_where_most_doors_are_reached() {
 #[test]
 #[allow(clippy::print_stderr)]
 fn maps_of_real_places_become_worlds() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/osm");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        eprintln!("skipped: {} is not there", folder.display());
+    let Some(folder) = shared_data("osm") else {
         return;
     };
+    let entries = std::fs::read_dir(folder).unwrap();
     let mut worlds = 0;
     for path in entries.filter_map(|e| e.ok()).map(|e| e.path()) {
         let name = path

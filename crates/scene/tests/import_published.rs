@@ -3,31 +3,23 @@
 // Tests report when they are skipped for lack of data.
 #![allow(clippy::print_stderr)]
 
-use std::path::{Path, PathBuf};
+#[path = "../../skips.rs"]
+mod skips;
+
 use std::time::Instant;
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::MapPoint;
 use openbench_scene::{ImportRequest, Scene, Triangle, World, import_world};
-
-fn data() -> Option<PathBuf> {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    data.join("openbench/small/small_osm.world")
-        .is_file()
-        .then_some(data)
-}
+use skips::shared_data;
 
 /// The published world `name`; `None`, with a message, if the data is absent.
 fn published(name: &str) -> Option<World> {
-    let Some(data) = data() else {
-        eprintln!("skipped: ../shared/data is absent");
-        return None;
-    };
-    let folder = data.join("openbench").join(name);
+    let folder = shared_data("openbench")?.join(name);
     let request = ImportRequest {
         world: folder.join(format!("{name}_osm.world")),
         map: folder.join(format!("{name}.osm")),
-        models: vec![data.join("gazebo_models")],
+        models: vec![shared_data("gazebo_models")?],
         georeference: None,
         start: None,
     };
@@ -36,7 +28,7 @@ fn published(name: &str) -> Option<World> {
 
 /// All points in the truth files of a world.
 fn truths(name: &str) -> Vec<MapPoint> {
-    let folder = data().unwrap().join("openbench").join(name);
+    let folder = shared_data("openbench").unwrap().join(name);
     let mut points = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap().flatten() {
         if entry.file_name().to_string_lossy().contains("_gt") {

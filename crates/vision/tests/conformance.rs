@@ -2,11 +2,14 @@
 
 #![allow(clippy::print_stderr)]
 
+#[path = "../../skips.rs"]
+mod skips;
 mod support;
 
 use openbench_core::{Image, SimTime};
 use openbench_models::{ChatError, ChatModel, ChatReply, ChatRequest, Format, ModelStore};
 use openbench_vision::{PlateReader, PlateReading, PpOcr, ReaderError, VlmReader};
+use skips::skipped;
 use support::{Plate, picture, view};
 
 /// Checks the contract of [`PlateReader`] with an image of the plate "UNIT 2".
@@ -133,7 +136,7 @@ fn vlm_reader_reports_a_model_that_does_not_answer() {
 fn ppocr_conforms() {
     match support::ppocr() {
         Some(mut reader) => conforms(&mut reader),
-        None => eprintln!("skipped: no PP-OCR model files; run `openbench models pull ppocr-v4`"),
+        None => skipped(support::NO_PPOCR),
     }
 }
 

@@ -2,9 +2,12 @@
 
 #![allow(clippy::print_stderr)]
 
+#[path = "../../skips.rs"]
+mod skips;
 mod support;
 
 use openbench_vision::{PlateReader, PpOcr, parse_unit};
+use skips::skipped;
 use support::{Plate, picture, view};
 
 const TEXTS: [&str; 5] = ["UNIT 1", "UNIT 2", "UNIT 3", "UNIT 12", "UNIT 11"];
@@ -65,7 +68,7 @@ fn tally(reader: &mut PpOcr, distances: &[f64], angles: &[f64]) -> Tally {
 #[test]
 fn plates_are_read_up_to_6_5_m() {
     let Some(mut reader) = support::ppocr() else {
-        eprintln!("skipped: no PP-OCR model files; run `openbench models pull ppocr-v4`");
+        skipped(support::NO_PPOCR);
         return;
     };
     let Tally { right, wrong, all } = tally(&mut reader, &[3.5, 5.0, 6.5], &[0.0, -30.0, 40.0]);
@@ -79,7 +82,7 @@ fn plates_are_read_up_to_6_5_m() {
 #[test]
 fn a_wall_without_plate_has_no_unit() {
     let Some(mut reader) = support::ppocr() else {
-        eprintln!("skipped: no PP-OCR model files; run `openbench models pull ppocr-v4`");
+        skipped(support::NO_PPOCR);
         return;
     };
     for seed in 0..6 {

@@ -2,8 +2,9 @@
 #![allow(dead_code, unused_imports, reason = "no test file uses all of it")]
 
 pub mod endpoint;
-mod published;
 mod ran;
+#[path = "../../../skips.rs"]
+mod skips;
 pub mod town;
 
 use std::path::PathBuf;
@@ -12,8 +13,8 @@ use std::process::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
-pub use published::{published, skipped};
 pub use ran::Ran;
+pub use skips::{shared_data, skipped};
 
 /// A folder with the files of a test.
 pub struct Place(TempDir);

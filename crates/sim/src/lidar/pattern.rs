@@ -305,21 +305,18 @@ fn sines(coefficients: &[f64], phi: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::print_stderr)]
+#[path = "../../../skips.rs"]
+mod skips;
+
+#[cfg(test)]
 mod tests {
+    use super::skips::shared_data;
     use super::*;
 
     /// Azimuth and elevation, radians, of the rays of a real sensor's pattern, if the file exists:
     /// a NumPy array of 800,000 x 2 floats.
     fn recorded() -> Option<Vec<[f32; 2]>> {
-        let path = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../../../shared/data/lidar/mid360.npy"
-        );
-        let Ok(bytes) = std::fs::read(path) else {
-            eprintln!("SKIPPED: {path} is not there");
-            return None;
-        };
+        let bytes = std::fs::read(shared_data("lidar/mid360.npy")?).unwrap();
         let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
         let float = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
         Some(

@@ -283,6 +283,9 @@ pub fn view(distance: f64, angle: f64, rays: u32, seed: u64) -> View {
     }
 }
 
+/// Why a test that reads plates is skipped.
+pub const NO_PPOCR: &str = "there are no files of PP-OCR; run `openbench models pull ppocr-v4`";
+
 /// The reader of the robot, if its model files have been downloaded. The camera is level, so plates
 /// are above the horizon.
 pub fn ppocr() -> Option<PpOcr> {
