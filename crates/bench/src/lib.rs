@@ -9,6 +9,7 @@
 //! | [`score`] | [`Results`]: from traces to metrics |
 //! | [`report`] | results for people: terminal table and HTML |
 //! | [`mod@run`] | [`Rollout`]: agents drive episodes; results, logs and reports are written |
+//! | [`yardsticks`] | agents and parts that know the truth, or know nothing |
 //! | [`error`] | [`BenchError`] |
 //! | [`image_file`] | encoding of images as JPEG and PNG |
 //! | [`line_problem`] | a line of a text file that cannot be parsed |
@@ -26,14 +27,14 @@ pub mod score;
 pub mod suite;
 pub mod trace;
 pub mod worlds;
+pub mod yardsticks;
 
 pub use error::BenchError;
 pub use openbench_sim::traffic::TrafficPlan;
 pub use run::{
-    AgentFactory, AgentRequest, Agents, Faults, FixNoise, FixNoiseError, ImuRange, InterruptedRun,
-    Level, MEMORY_BEFORE, Observer, Rollout, RunRecord, RunRequest, SimulatedFixes, Status,
-    TruthHandle, TruthLocalizer, UNFINISHED, Unfinished, interrupted, memory_of, repeat, run,
-    verify,
+    AgentFactory, AgentRequest, Agents, Faults, ImuRange, InterruptedRun, Level, MEMORY_BEFORE,
+    Observer, Rollout, RunRecord, RunRequest, Status, Truth, TruthHandle, UNFINISHED, Unfinished,
+    interrupted, memory_of, repeat, run, verify,
 };
 pub use score::Results;
 pub use score::provenance::{Build, ModelDigest, Setting};

@@ -26,7 +26,15 @@ const LAYERS: [(&str, u8); 17] = [
 ];
 
 /// The folders of `bench`, from low to high: a file imports from its own folder and lower ones.
-const BENCH_FOLDERS: [&str; 6] = ["suite", "worlds", "trace", "score", "report", "run"];
+const BENCH_FOLDERS: [&str; 7] = [
+    "suite",
+    "worlds",
+    "trace",
+    "score",
+    "report",
+    "run",
+    "yardsticks",
+];
 
 /// For each crate of the workspace, the crates of the workspace that it depends on, without
 /// dev-dependencies.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use openbench_agents::open::Catalogue;
 use openbench_agents::open::parts::{Fixes, FixesPart, LocalizerPart, PartError};
 use openbench_bench::run::registry::AgentError;
-use openbench_bench::{AgentFactory, AgentRequest, Agents};
+use openbench_bench::{AgentFactory, AgentRequest, Agents, yardsticks};
 use openbench_core::registry::Entry;
 use openbench_core::{Agent, Registry, RobotDescription};
 use openbench_localization::Localizer;
@@ -215,6 +215,7 @@ impl Extensions {
         self.agents
             .clone()
             .with(open_agent::NAME, "the baseline of the paper", open)
+            .with_entries(yardsticks::agents().entries().cloned())
     }
 
     /// The parts that OPEN can be made of.

@@ -9,18 +9,21 @@ use openbench_agents::open::parts::{FixesPart, LocalizerPart, MakeFixes, PartErr
 use openbench_agents::open::settings::DEFAULT_READER;
 use openbench_agents::open::{Catalogue, Choices, Models, Settings};
 use openbench_bench::run::registry::{AgentError, AgentSettings};
-use openbench_bench::{
-    AgentFactory, AgentRequest, FixNoise, ModelDigest, Setting, SimulatedFixes, TruthHandle,
-    TruthLocalizer,
+use openbench_bench::yardsticks::{
+    FixNoise, LetterHeight, SimulatedFixes, TruthLocalizer, TruthReader,
 };
+use openbench_bench::{AgentFactory, AgentRequest, ModelDigest, Setting, Truth};
 use openbench_core::{Agent, RobotDescription};
 use openbench_models::{CATALOGUE, ModelFile, ModelSpec, ModelStore, PullEvent};
 use openbench_vision::readers::model_files;
+use openbench_vision::{ReaderContext, ReaderPart};
 
 /// The name of the agent.
 pub const NAME: &str = "open";
 /// The localizer that returns the true pose.
 const TRUE_POSE: &str = "truth";
+/// The reader of what is written on the plates in view.
+const TRUE_PLATES: &str = "truth";
 /// The source of fixes that the robot's satellite receiver is.
 const RECEIVER: &str = "gnss";
 /// The source of fixes with errors of known size.
@@ -37,11 +40,31 @@ pub struct Reserved {
 }
 
 /// The names that extensions cannot replace.
-pub const RESERVED: [Reserved; 4] = [
+pub const RESERVED: [Reserved; 8] = [
     Reserved {
         kind: "agent",
         name: NAME,
         meaning: "the baseline agent",
+    },
+    Reserved {
+        kind: "agent",
+        name: "omniscient",
+        meaning: "a yardstick that knows the truth",
+    },
+    Reserved {
+        kind: "agent",
+        name: "straight-line",
+        meaning: "a yardstick that knows the truth",
+    },
+    Reserved {
+        kind: "agent",
+        name: "random",
+        meaning: "a yardstick of chance",
+    },
+    Reserved {
+        kind: "plate reader",
+        name: TRUE_PLATES,
+        meaning: "what is written on the plates in view",
     },
     Reserved {
         kind: "localizer",
@@ -77,15 +100,21 @@ impl AgentFactory for OpenFactory {
         let settings = Settings::parse(request.settings)?;
         let mut models = Models::new(settings.budget, request.exchanges.clone());
         // For each episode anew, since the true pose and the seed are those of the episode.
-        let catalogue = with_truth(self.catalogue.clone(), &request.truth, request.seed);
+        let truth = request.truth.as_ref();
+        let catalogue = with_truth(self.catalogue.clone(), truth, request.seed);
         let parts = catalogue.assemble(&settings, &mut models, request.memory.cloned())?;
         Ok(Box::new(Open::new(parts)))
     }
 
     fn check(&self, settings: &AgentSettings) -> Result<(), AgentError> {
         let settings = Settings::parse(settings)?;
-        // Only names are looked up, so an empty handle will do.
-        let catalogue = with_truth(self.catalogue.clone(), &TruthHandle::default(), 0);
+        // Only names are looked up, so no truth is needed.
+        let catalogue = with_truth(self.catalogue.clone(), None, 0);
+        for word in catalogue.readers.split(&settings.reader) {
+            if let Some(height) = true_plates(word) {
+                letter_height(height)?;
+            }
+        }
         Ok(catalogue.check(&settings)?)
     }
 
@@ -146,7 +175,9 @@ impl AgentFactory for OpenFactory {
     }
 
     fn uses_truth(&self, settings: &AgentSettings) -> bool {
-        names(settings, "localizer", TRUE_POSE) || names(settings, "fixes", DISTURBED_TRUTH)
+        names(settings, "localizer", TRUE_POSE)
+            || names(settings, "fixes", DISTURBED_TRUTH)
+            || reads_truth(&self.catalogue, settings)
     }
 }
 
@@ -154,6 +185,29 @@ impl AgentFactory for OpenFactory {
 fn names(settings: &AgentSettings, key: &str, part: &str) -> bool {
     let value = settings.get(key);
     value.is_some_and(|value| value.split(':').next() == Some(part))
+}
+
+/// Whether one of the readers in a list knows what is written.
+fn reads_truth(catalogue: &Catalogue, settings: &AgentSettings) -> bool {
+    // With the reader's entry, since a list is split by what is registered.
+    let catalogue = with_truth(catalogue.clone(), None, 0);
+    let list = settings.get("reader").map_or("", String::as_str);
+    let words = catalogue.readers.split(list);
+    words.into_iter().any(|word| true_plates(word).is_some())
+}
+
+/// The argument of the reader that knows what is written; `None` for other readers.
+fn true_plates(word: &str) -> Option<&str> {
+    let (name, height) = word.split_once(':').unwrap_or((word, ""));
+    (name == TRUE_PLATES).then_some(height)
+}
+
+fn letter_height(argument: &str) -> Result<LetterHeight, PartError> {
+    if argument.is_empty() {
+        Ok(LetterHeight::default())
+    } else {
+        Ok(argument.parse()?)
+    }
 }
 
 /// The recording that a model spec names.
@@ -165,8 +219,14 @@ fn recording(word: &str) -> Option<PathBuf> {
 }
 
 /// The catalogue with the parts that know the truth: yardsticks, which the results name.
-fn with_truth(mut catalogue: Catalogue, truth: &TruthHandle, seed: u64) -> Catalogue {
+fn with_truth(mut catalogue: Catalogue, truth: Option<&Truth<'_>>, seed: u64) -> Catalogue {
+    catalogue.readers = catalogue.readers.with(
+        &format!("{TRUE_PLATES}:PIXELS"),
+        "what is written on the plates in view, with capitals of so many pixels",
+        true_reader(truth),
+    );
     // Each closure owns a handle. All handles lead to the same poses.
+    let truth = truth.map(|truth| truth.handle.clone()).unwrap_or_default();
     let handle = truth.clone();
     catalogue.localizers = catalogue.localizers.with(
         TRUE_POSE,
@@ -187,6 +247,15 @@ fn with_truth(mut catalogue: Catalogue, truth: &TruthHandle, seed: u64) -> Catal
         FixesPart::with_argument(read),
     );
     catalogue
+}
+
+fn true_reader(truth: Option<&Truth<'_>>) -> ReaderPart {
+    // A reader of each height is made of this one, since the truth lives no longer than its run.
+    let reader = truth.map(TruthReader::new);
+    ReaderPart::new(move |height, _: &mut ReaderContext<'_>| {
+        let reader = reader.clone().ok_or("there is no episode")?;
+        Ok(Box::new(reader.with_least(letter_height(height)?)))
+    })
 }
 
 fn fix_noise(argument: &str) -> Result<FixNoise, PartError> {
@@ -215,6 +284,9 @@ mod tests {
         assert!(uses(&[("localizer", "truth")]));
         assert!(uses(&[("fixes", "disturbed-truth")]));
         assert!(uses(&[("fixes", "disturbed-truth:1,0,1")]));
+        assert!(uses(&[("reader", "truth")]));
+        assert!(uses(&[("reader", "ppocr-v4,truth:12")]));
+        assert!(!uses(&[("reader", "ppocr-v4")]));
         assert!(!uses(&[]));
         assert!(!uses(&[
             ("localizer", "fused"),
@@ -246,6 +318,8 @@ mod tests {
         assert!(refused("colour", "red"));
         assert!(refused("planner", "oracle"));
         assert!(refused("reader", "eyes"));
+        assert!(refused("reader", "truth:far"));
+        assert!(!refused("reader", "truth:12"));
         assert!(refused("localizer", "stars"));
         assert!(refused("fixes", "stars"));
         assert!(refused("fixes", "disturbed-truth:1,7,9"));

@@ -210,6 +210,11 @@ impl Simulator {
         self.crowd.as_ref().map_or(&[], Crowd::movers)
     }
 
+    /// Ground truth: people and cars at their places, as rays meet them.
+    pub fn placed_movers(&self) -> Arc<Movers> {
+        self.movers.clone()
+    }
+
     /// Ground truth: the scene now.
     pub fn snapshot(&self) -> Snapshot<'_> {
         self.stage.snapshot(&self.movers)

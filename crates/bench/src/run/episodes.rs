@@ -23,11 +23,11 @@ use crate::run::output::{FinishedRun, MachineTimes, RunOutput};
 use crate::run::record::RunRecord;
 use crate::run::recorder::Recorder;
 use crate::run::recording::{FileHashes, Recording, replay};
-use crate::run::registry::{AgentFactory, AgentRequest, AgentSettings};
+use crate::run::registry::AgentRequest;
 use crate::run::request::{RunRequest, Unfinished};
 use crate::run::rollout::Rollout;
 use crate::run::threads;
-use crate::run::truth::TruthHandle;
+use crate::run::truth::{Truth, TruthHandle};
 use crate::score::results::Results;
 use crate::trace::EpisodeTrace;
 use crate::worlds::Prepared;
@@ -313,15 +313,20 @@ fn repeat_one(request: &RunRequest<'_>, run: &Path, number: usize) -> Result<(),
 /// An agent for an episode.
 struct Made {
     agent: Box<dyn Agent>,
-    /// What the simulator writes the true pose to.
-    truth: TruthHandle,
+    /// What the simulator writes the truth to, for an agent that uses it.
+    truth: Option<TruthHandle>,
 }
 
 fn make(request: &RunRequest<'_>, number: usize, exchanges: Exchanges) -> Result<Made, BenchError> {
     // A handle for each episode, since episodes run on several threads at once.
-    let truth = TruthHandle::default();
+    let uses_truth = request.factory.uses_truth(request.settings);
+    let truth = uses_truth.then(TruthHandle::default);
     let agent_request = AgentRequest {
-        truth: requested_truth(request.factory, request.settings, &truth),
+        truth: truth.clone().map(|handle| Truth {
+            handle,
+            prepared: request.prepared,
+            episode: number,
+        }),
         memory: request.memory,
         settings: request.settings,
         seed: agent_seed(episode_seed(request.seed, number)),
@@ -342,11 +347,13 @@ fn drive(
     recorder: &mut Recorder,
 ) -> Result<EpisodeTrace, BenchError> {
     let Made { mut agent, truth } = made;
-    let rollout = Rollout::new(request.prepared, number, episode_seed(request.seed, number))?
+    let mut rollout = Rollout::new(request.prepared, number, episode_seed(request.seed, number))?
         .with_observer(StopSign(request.stop))
-        // Adding it stores the pose at time zero, before the agent gets its first observation.
-        .with_observer(truth)
         .with_observer(recorder);
+    if let Some(truth) = truth {
+        // Adding it stores time zero, before the agent gets its first observation.
+        rollout = rollout.with_observer(truth);
+    }
     run_episode(rollout, agent.as_mut())
 }
 
@@ -364,39 +371,12 @@ impl Observer for StopSign<'_> {
     }
 }
 
-/// The handle of the true pose if the agent uses it; otherwise an empty handle.
-fn requested_truth(
-    factory: &dyn AgentFactory,
-    settings: &AgentSettings,
-    truth: &TruthHandle,
-) -> TruthHandle {
-    if factory.uses_truth(settings) {
-        truth.clone()
-    } else {
-        TruthHandle::default()
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use openbench_core::{ModelUse, Pose2, SimTime};
+    use openbench_core::ModelUse;
 
     use super::*;
-    use crate::run::registry::AgentError;
     use crate::trace::{Failure, TaskOutcome};
-
-    /// Uses the truth where `pose=true`.
-    struct Cheat;
-
-    impl AgentFactory for Cheat {
-        fn make(&self, _: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
-            Err("not needed here".into())
-        }
-
-        fn uses_truth(&self, settings: &AgentSettings) -> bool {
-            settings.get("pose").is_some_and(|value| value == "true")
-        }
-    }
 
     /// An episode whose planner got no answer to some of its questions.
     fn unanswered(calls: u32, failed: u32) -> EpisodeTrace {
@@ -425,18 +405,5 @@ mod tests {
         assert!(check_reached(&unanswered(2, 0), 3, &reached).is_ok());
         // Once it has answered, a silence fails a delivery only.
         assert!(check_reached(&unanswered(1, 1), 4, &reached).is_ok());
-    }
-
-    #[test]
-    fn the_true_pose_is_available_only_to_agents_that_use_it() {
-        let truth = TruthHandle::default();
-        truth.set(SimTime::ZERO, Pose2::new(5.0, 6.0, 0.0));
-        let is_available = |value: &str| {
-            let settings = AgentSettings::from([("pose".to_owned(), value.to_owned())]);
-            let handle = requested_truth(&Cheat, &settings, &truth);
-            handle.at(SimTime::ZERO) == Pose2::new(5.0, 6.0, 0.0)
-        };
-        assert!(is_available("true"));
-        assert!(!is_available("estimated"));
     }
 }

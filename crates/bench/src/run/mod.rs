@@ -16,8 +16,7 @@
 //! | [`recording`] | the actions of an episode, and [`replay`](recording::replay) |
 //! | `verify` | [`verify`]: whether the files of a run follow from its actions |
 //! | [`threads`] | numbered jobs on several threads |
-//! | `truth` | [`TruthLocalizer`]: the true pose as a localizer, for comparisons |
-//! | `simulated_fixes` | [`SimulatedFixes`]: fixes made from the true pose, for experiments |
+//! | [`truth`] | [`Truth`]: what only the judge knows, for yardsticks |
 
 mod episode;
 mod episodes;
@@ -31,9 +30,8 @@ pub mod recording;
 pub mod registry;
 mod request;
 mod rollout;
-mod simulated_fixes;
 pub mod threads;
-mod truth;
+pub mod truth;
 mod verify;
 
 pub use episode::run_episode;
@@ -46,6 +44,5 @@ pub use recorder::{Faults, ImuRange, Level};
 pub use registry::{AgentFactory, AgentRequest, Agents};
 pub use request::{RunRequest, Unfinished};
 pub use rollout::{Rollout, Status};
-pub use simulated_fixes::{FixNoise, FixNoiseError, SimulatedFixes};
-pub use truth::{TruthHandle, TruthLocalizer};
+pub use truth::{Truth, TruthHandle};
 pub use verify::verify;

@@ -34,6 +34,8 @@ pub struct RunRecord {
     pub in_force: BTreeMap<String, Setting>,
     /// The model files that the agent uses.
     pub models: Vec<ModelDigest>,
+    /// Whether the agent, or a part of it, was told the truth about its episodes.
+    pub uses_truth: bool,
     /// Why the agent cannot be run again; null if it can.
     pub cannot_repeat: Option<String>,
     /// Seed of all random numbers of the run.
@@ -71,6 +73,7 @@ impl RunRecord {
             settings: request.settings.clone(),
             in_force: request.factory.in_force(request.settings),
             models: request.factory.models(request.settings),
+            uses_truth: request.factory.uses_truth(request.settings),
             cannot_repeat: request.factory.cannot_repeat(request.settings),
             seed: request.seed,
             episodes: prepared.episodes.len(),
@@ -115,6 +118,7 @@ impl RunRecord {
             processor: self.processor.clone(),
             hashes: self.hashes.clone(),
             models: self.models.clone(),
+            uses_truth: self.uses_truth,
             cannot_repeat: self.cannot_repeat.clone(),
         }
     }

@@ -8,7 +8,7 @@ use openbench_core::{Agent, RobotDescription};
 use openbench_models::{Exchanges, PullEvent};
 use openbench_osm::OsmData;
 
-use super::truth::TruthHandle;
+use super::truth::Truth;
 use crate::score::provenance::{ModelDigest, Setting};
 
 /// An agent's settings (`--set KEY=VALUE`).
@@ -19,9 +19,8 @@ pub type AgentError = Box<dyn Error + Send + Sync>;
 /// The input of an [`AgentFactory`].
 #[derive(Debug, Clone)]
 pub struct AgentRequest<'a> {
-    /// The true pose, for a reference localizer only, never for the agent itself. It is empty
-    /// unless [`AgentFactory::uses_truth`].
-    pub truth: TruthHandle,
+    /// The truth about the episode, for yardsticks; `None` unless [`AgentFactory::uses_truth`].
+    pub truth: Option<Truth<'a>>,
     /// A map with the doors found in earlier runs.
     pub memory: Option<&'a OsmData>,
     /// The agent's settings.
@@ -77,10 +76,8 @@ pub trait AgentFactory: Send + Sync {
         Ok(())
     }
 
-    /// Whether an agent with these settings uses the true pose; by default it does not.
-    ///
-    /// Answer so only if a setting names such a part. Settings are part of the results, so every
-    /// use of the truth is then visible there.
+    /// Whether an agent with these settings uses the truth about its episodes; by default it does
+    /// not. The results of an agent that does say so.
     fn uses_truth(&self, settings: &AgentSettings) -> bool {
         let _ = settings;
         false

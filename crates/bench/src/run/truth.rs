@@ -1,60 +1,108 @@
-//! The true pose as a localizer, for comparisons only. It is made here, injected into the agent by
-//! name, and named in the results.
+//! What only the judge knows, for yardsticks. It reaches an agent only if its factory says that it
+//! uses the truth, and the results say so, too.
 
 use std::collections::VecDeque;
+use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use openbench_core::frames::wrap_angle;
-use openbench_core::{Observation, Pose2, SimTime, Velocity};
-use openbench_localization::Localizer;
+use openbench_core::{Pose2, Pose3, SimTime, Velocity};
+use openbench_scene::Movers;
 use openbench_sim::Simulator;
 
 use super::observer::Observer;
 use crate::BenchError;
+use crate::worlds::Prepared;
 
-/// Shared access to the true poses of the last second.
-#[derive(Debug, Clone, Default)]
-pub struct TruthHandle(Arc<Mutex<VecDeque<TimedPose>>>);
-
-#[derive(Debug, Clone, Copy)]
-struct TimedPose {
-    time: SimTime,
-    pose: Pose2,
+/// The truth about an episode.
+#[derive(Clone)]
+pub struct Truth<'a> {
+    /// Where everything is, while the episode runs.
+    pub handle: TruthHandle,
+    /// The suite and its world.
+    pub prepared: &'a Prepared,
+    /// Number of the episode, from 0.
+    pub episode: usize,
 }
 
-/// Number of stored poses: one second at 20 Hz. Agents ask for the pose at the time of a scan or an
-/// image, which is in the past.
-const MAX_POSES: usize = 20;
+impl fmt::Debug for Truth<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Not the world, which has millions of triangles.
+        f.debug_struct("Truth")
+            .field("episode", &self.episode)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Shared access to where everything was in the last second.
+#[derive(Debug, Clone, Default)]
+pub struct TruthHandle(Arc<Mutex<VecDeque<Instant>>>);
+
+/// Where everything is at an instant.
+#[derive(Debug, Clone, Default)]
+pub struct Instant {
+    /// When.
+    pub time: SimTime,
+    /// Pose of the robot's `base_link` in `map`.
+    pub base_link: Pose3,
+    /// People and cars.
+    pub movers: Arc<Movers>,
+}
+
+impl Instant {
+    fn pose(&self) -> Pose2 {
+        Pose2::from_pose3(&self.base_link)
+    }
+}
+
+/// Number of stored instants: one second at 20 Hz. Agents ask for the pose at the time of a scan or
+/// an image, which is in the past.
+const MAX_INSTANTS: usize = 20;
 
 impl TruthHandle {
-    /// Stores the true pose of an instant.
-    pub fn set(&self, time: SimTime, pose: Pose2) {
-        // A lock that another thread poisoned by a panic is still used: poses are stored whole or
-        // not at all.
-        let mut poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        poses.push_back(TimedPose { time, pose });
-        if poses.len() > MAX_POSES {
-            poses.pop_front();
+    /// Stores an instant, later than those before.
+    pub fn set(&self, instant: Instant) {
+        // A lock that another thread poisoned by a panic is still used: instants are stored whole
+        // or not at all.
+        let mut instants = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        instants.push_back(instant);
+        if instants.len() > MAX_INSTANTS {
+            instants.pop_front();
         }
     }
 
-    /// The pose at an instant, linearly interpolated between the stored poses; outside their
+    /// Stores where everything in a simulation is now.
+    pub fn store(&self, simulator: &Simulator) {
+        self.set(Instant {
+            time: simulator.time(),
+            base_link: simulator.base_link(),
+            movers: simulator.placed_movers(),
+        });
+    }
+
+    /// The pose at a time, linearly interpolated between the stored instants; outside their
     /// interval the nearest one.
-    pub(crate) fn at(&self, time: SimTime) -> Pose2 {
-        let poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+    pub fn pose_at(&self, time: SimTime) -> Pose2 {
+        let instants = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         // Times ascend, since each step appends a later one.
-        let after = poses.partition_point(|known| known.time < time);
-        let before = after.checked_sub(1).and_then(|i| poses.get(i));
-        match (before, poses.get(after)) {
+        let after = instants.partition_point(|known| known.time < time);
+        let before = after.checked_sub(1).and_then(|i| instants.get(i));
+        match (before, instants.get(after)) {
             (Some(before), Some(after)) => interpolated(before, after, time),
-            (one, other) => one.or(other).map(|known| known.pose).unwrap_or_default(),
+            (one, other) => one.or(other).map(Instant::pose).unwrap_or_default(),
         }
+    }
+
+    /// The stored instant of exactly that time.
+    pub fn instant(&self, time: SimTime) -> Option<Instant> {
+        let instants = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        instants.iter().find(|known| known.time == time).cloned()
     }
 }
 
-fn interpolated(before: &TimedPose, after: &TimedPose, time: SimTime) -> Pose2 {
-    let (a, b) = (before.pose, after.pose);
-    // `at` searches so that `before.time < time <= after.time`: the divisor is positive.
+fn interpolated(before: &Instant, after: &Instant, time: SimTime) -> Pose2 {
+    let (a, b) = (before.pose(), after.pose());
+    // `pose_at` searches so that `before.time < time <= after.time`: the divisor is positive.
     let elapsed = time.since(before.time).as_secs_f64();
     let s = elapsed / after.time.since(before.time).as_secs_f64();
     // The difference is wrapped first, so the yaw turns along the shorter arc.
@@ -62,10 +110,10 @@ fn interpolated(before: &TimedPose, after: &TimedPose, time: SimTime) -> Pose2 {
     Pose2::new(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), yaw)
 }
 
-/// Stores the true pose of each step.
+/// Stores each step.
 impl Observer for TruthHandle {
     fn begin(&mut self, simulator: &Simulator) -> Result<(), BenchError> {
-        self.set(simulator.time(), Pose2::from_pose3(&simulator.base_link()));
+        self.store(simulator);
         Ok(())
     }
 
@@ -74,65 +122,30 @@ impl Observer for TruthHandle {
     }
 }
 
-/// A localizer that returns the true pose.
-#[derive(Debug, Clone)]
-pub struct TruthLocalizer {
-    handle: TruthHandle,
-    now: SimTime,
-}
-
-impl TruthLocalizer {
-    /// A localizer that reads the poses of `handle`.
-    pub fn new(handle: TruthHandle) -> Self {
-        Self {
-            handle,
-            now: SimTime::ZERO,
-        }
-    }
-}
-
-impl Localizer for TruthLocalizer {
-    fn name(&self) -> &str {
-        "truth"
-    }
-
-    fn reset(&mut self, _start: Pose2) {
-        self.now = SimTime::ZERO;
-    }
-
-    fn update(&mut self, observation: &Observation<'_>) {
-        self.now = observation.time;
-    }
-
-    fn pose_at(&self, time: SimTime) -> Pose2 {
-        self.handle.at(time)
-    }
-
-    fn pose(&self) -> Pose2 {
-        self.handle.at(self.now)
-    }
-
-    fn ready(&self) -> bool {
-        true
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn at(milliseconds: u64, pose: Pose2) -> Instant {
+        Instant {
+            time: SimTime::from_millis(milliseconds),
+            base_link: pose.to_pose3(0.0),
+            movers: Arc::default(),
+        }
+    }
+
     #[test]
     fn poses_between_two_steps_are_interpolated_across_the_wrap_of_the_yaw() {
         let handle = TruthHandle::default();
-        assert_eq!(handle.at(SimTime::ZERO), Pose2::default());
-        handle.set(SimTime::from_millis(0), Pose2::new(0.0, 0.0, 3.1));
-        handle.set(SimTime::from_millis(50), Pose2::new(1.0, 2.0, -3.1));
-        let middle = handle.at(SimTime::from_millis(25));
+        assert_eq!(handle.pose_at(SimTime::ZERO), Pose2::default());
+        handle.set(at(0, Pose2::new(0.0, 0.0, 3.1)));
+        handle.set(at(50, Pose2::new(1.0, 2.0, -3.1)));
+        let middle = handle.pose_at(SimTime::from_millis(25));
         assert!((middle.x - 0.5).abs() < 1e-9 && (middle.y - 1.0).abs() < 1e-9);
         assert!(
             (middle.yaw.abs() - std::f64::consts::PI).abs() < 1e-9,
             "{middle:?}"
         );
-        assert_eq!(handle.at(SimTime::from_millis(99)).x, 1.0);
+        assert_eq!(handle.pose_at(SimTime::from_millis(99)).x, 1.0);
     }
 }

@@ -14,6 +14,9 @@ pub fn departures(results: &Results) -> Vec<String> {
                 .to_owned(),
         );
     }
+    if results.provenance.uses_truth {
+        lines.push("the agent was told what no robot can know: this run is a yardstick".to_owned());
+    }
     for (key, setting) in results.settings.iter().filter(|(_, s)| !s.default) {
         lines.push(format!("setting {key}={}", setting.value));
     }
@@ -89,6 +92,7 @@ mod tests {
         let set = |value: &str| Setting::new(value, "fused");
         run.settings.insert("localizer".into(), set("truth"));
         run.settings.insert("other".into(), set("fused"));
+        run.provenance.uses_truth = true;
         run.provenance.cannot_repeat = Some("it waits for people".into());
         run.memory = Some(MemoryUse {
             doors: 3,

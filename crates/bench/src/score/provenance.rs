@@ -55,6 +55,8 @@ pub struct Provenance {
     pub hashes: Hashes,
     /// The model files that the agent used.
     pub models: Vec<ModelDigest>,
+    /// Whether the agent, or a part of it, was told the truth about its episodes.
+    pub uses_truth: bool,
     /// Why `verify --agent` cannot make this run again; null if it can.
     pub cannot_repeat: Option<String>,
 }

@@ -23,7 +23,8 @@ use serde::Serialize;
 use openbench_bench::run::threads;
 use openbench_bench::score::metrics::{CollisionSum, EncounterSum, collisions};
 use openbench_bench::trace::{Smoothness, SmoothnessSum};
-use openbench_bench::{BenchError, Prepared, TrafficPlan, TruthHandle, TruthLocalizer};
+use openbench_bench::yardsticks::TruthLocalizer;
+use openbench_bench::{BenchError, Prepared, TrafficPlan, TruthHandle};
 
 /// Maximum length of a drive: short enough for many, which run on several threads.
 const MAX_DRIVE_M: f64 = 500.0;
@@ -252,7 +253,7 @@ impl<'a> Ride<'a> {
         let (prepared, handle) = (course.prepared, TruthHandle::default());
         let simulator = prepared.simulator(seed)?;
         // The localizer is asked for a pose before the first step.
-        handle.set(simulator.time(), pose(&simulator));
+        handle.store(&simulator);
         let driver = Driver::new(course.terrain()?, prepared.robot.clone(), planner);
         Ok(Self {
             course,
@@ -327,7 +328,7 @@ impl<'a> Ride<'a> {
         let (before, seconds) = (pose(&self.simulator), OBSERVATION_NS as f64 * 1e-9);
         self.simulator.step(velocity);
         let now = pose(&self.simulator);
-        self.handle.set(self.simulator.time(), now);
+        self.handle.store(&self.simulator);
         self.result.metres += before.point().distance(now.point());
         self.smoothness.step(before, now, seconds);
         self.encounters.update(

@@ -10,7 +10,7 @@ use openbench_core::{Observation, Pose2, SimTime};
 use openbench_localization::{Fix, FixSource};
 use openbench_sim::noise::Noise;
 
-use crate::run::truth::TruthHandle;
+use crate::run::TruthHandle;
 
 /// Time between two fixes.
 const INTERVAL_S: f64 = 1.0;
@@ -163,7 +163,7 @@ impl FixSource for SimulatedFixes {
             noise_m, bias_m, ..
         } = self.noise;
         let error = self.draw_error();
-        let truth = self.truth.at(stamp);
+        let truth = self.truth.pose_at(stamp);
         // The fix reports its regular noise only. A receiver does not know its outliers and its
         // bias.
         let information = 1.0 / (noise_m * noise_m);
@@ -181,6 +181,8 @@ impl FixSource for SimulatedFixes {
 mod tests {
     use super::*;
     use openbench_core::{Camera, Image};
+
+    use crate::run::truth::Instant;
     use std::sync::Arc;
 
     struct Blind;
@@ -221,7 +223,11 @@ mod tests {
         let mut off = Vec::new();
         for tick in 0..40_000_u64 {
             let time = SimTime::from_millis(50 * tick);
-            truth.set(time, Pose2::new(7.0, 3.0, 0.0));
+            truth.set(Instant {
+                time,
+                base_link: Pose2::new(7.0, 3.0, 0.0).to_pose3(0.0),
+                ..Instant::default()
+            });
             let seen = Observation {
                 time,
                 imu: &[],

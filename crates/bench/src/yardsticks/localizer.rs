@@ -1,0 +1,49 @@
+//! The true pose as a localizer.
+
+use openbench_core::{Observation, Pose2, SimTime};
+use openbench_localization::Localizer;
+
+use crate::run::TruthHandle;
+
+/// A localizer that returns the true pose.
+#[derive(Debug, Clone)]
+pub struct TruthLocalizer {
+    handle: TruthHandle,
+    now: SimTime,
+}
+
+impl TruthLocalizer {
+    /// A localizer that reads the poses of `handle`.
+    pub fn new(handle: TruthHandle) -> Self {
+        Self {
+            handle,
+            now: SimTime::ZERO,
+        }
+    }
+}
+
+impl Localizer for TruthLocalizer {
+    fn name(&self) -> &str {
+        "truth"
+    }
+
+    fn reset(&mut self, _start: Pose2) {
+        self.now = SimTime::ZERO;
+    }
+
+    fn update(&mut self, observation: &Observation<'_>) {
+        self.now = observation.time;
+    }
+
+    fn pose_at(&self, time: SimTime) -> Pose2 {
+        self.handle.pose_at(time)
+    }
+
+    fn pose(&self) -> Pose2 {
+        self.handle.pose_at(self.now)
+    }
+
+    fn ready(&self) -> bool {
+        true
+    }
+}
