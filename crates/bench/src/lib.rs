@@ -32,9 +32,9 @@ pub mod yardsticks;
 pub use error::BenchError;
 pub use openbench_sim::traffic::TrafficPlan;
 pub use run::{
-    AgentFactory, AgentRequest, Agents, Faults, ImuRange, InterruptedRun, Level, MEMORY_BEFORE,
-    Observer, Rollout, RunRecord, RunRequest, Status, Truth, TruthHandle, UNFINISHED, Unfinished,
-    interrupted, memory_of, repeat, run, verify,
+    AgentFactory, AgentRequest, Agents, EpisodeEnd, Faults, ImuRange, InterruptedRun, Level,
+    MEMORY_BEFORE, Observer, Rollout, RunRecord, RunRequest, Status, Truth, TruthHandle,
+    UNFINISHED, Unfinished, done_before, interrupted, memory_of, repeat, run, verify,
 };
 pub use score::Results;
 pub use score::provenance::{Build, ModelDigest, Setting};

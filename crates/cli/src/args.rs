@@ -1,6 +1,7 @@
 //! What can be written on the command line.
 
 mod bench;
+mod compare;
 mod data;
 mod language;
 mod logs;
@@ -12,6 +13,7 @@ mod world;
 use clap::{Parser, Subcommand};
 
 pub use bench::*;
+pub use compare::*;
 pub use data::*;
 pub use language::*;
 pub use logs::*;
@@ -32,13 +34,15 @@ const EXAMPLES: &str = "\
 Examples:
   openbench run
   openbench run medium --jobs 2 --out runs/medium
+  openbench compare runs/medium runs/mine
   openbench world generate --map city.osm.pbf --around 7.4197,43.7314 --radius 300 --out worlds/city
   openbench run worlds/city
   openbench run --world city.world --map city.osm --models gazebo_models --deliveries deliveries.txt
   openbench plan --map city.osm \"Box to unit 1, building 3\"
   openbench route --map city.osm.pbf 7.4197,43.7314 7.4246,43.7387
 
-Exit codes: 0 done, 1 a run could not be finished or has a problem, 2 bad usage or input.";
+Exit codes: 0 done, 1 a run could not be finished or has a problem, 2 bad usage or input,
+130 or 143 stopped by SIGINT or SIGTERM; `run --resume` continues.";
 
 /// The commands.
 #[derive(Debug, Subcommand)]
@@ -65,6 +69,8 @@ pub enum Command {
     Evaluate(EvaluateArgs),
     /// Repeat the recorded actions of a run, or its agent, and compare every state
     Verify(VerifyArgs),
+    /// Compare the results of agents that ran the same suites
+    Compare(CompareArgs),
     /// Generate, import and render worlds
     World(WorldArgs),
     /// Download published worlds and a sample map

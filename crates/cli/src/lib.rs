@@ -102,6 +102,7 @@ fn dispatch(command: Command, extensions: &Extensions) -> anyhow::Result<Outcome
         Command::Serve(args) => commands::serve::run(&args),
         Command::Evaluate(args) => commands::evaluate::run(&args),
         Command::Verify(args) => commands::verify::run(&args, &extensions.agents()),
+        Command::Compare(args) => commands::compare::run(&args),
         Command::World(args) => commands::world::run(&args),
         Command::Data(args) => commands::data::run(&args),
         Command::Models(args) => commands::models::run(&args),

@@ -3,7 +3,7 @@
 use std::io::IsTerminal as _;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use openbench_models::PullEvent;
 
 use crate::outcome::tell;
@@ -14,11 +14,20 @@ pub fn progress_bar(length: usize, what: &'static str) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let style =
-        ProgressStyle::with_template("{msg} {bar:32} {pos}/{len}  {elapsed} gone, {eta} to go");
+        ProgressStyle::with_template("{msg} {bar:32} {pos}/{len}  {elapsed} gone, {to_go} to go");
     let bar = ProgressBar::new(length as u64).with_message(what);
     bar.enable_steady_tick(Duration::from_millis(200));
     // The template is a constant; the default style would do as well.
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.with_style(style.with_key("to_go", time_to_go))
+}
+
+/// The time that is left. It is unknown until something is finished.
+fn time_to_go(state: &ProgressState, out: &mut dyn std::fmt::Write) {
+    let _ = match state.pos() {
+        0 => write!(out, "unknown time"),
+        _ => write!(out, "{:#}", HumanDuration(state.eta())),
+    };
 }
 
 /// Shows how model files are downloaded: a message for each, and a bar if a person is watching.

@@ -462,18 +462,37 @@ fn drawn_deliveries_follow_the_seed() {
     assert_eq!(first, run(5));
 }
 
-/// Reads plates with the files that `openbench models pull` fetches; they are not fetched for this.
+/// Whether the files of the default reader have been pulled; they are not fetched for a test.
+fn can_read(place: &Place) -> bool {
+    let models = place.openbench("models list").stdout;
+    let here = |line: &&str| line.starts_with("ppocr-v4") && !line.contains("not here");
+    let all = models.lines().filter(here).count() >= 2;
+    if !all {
+        common::skipped("the model files of ppocr-v4 are not here");
+    }
+    all
+}
+
+#[test]
+fn the_default_reader_finds_doors_of_a_built_in_world() {
+    let place = Place::new();
+    if !can_read(&place) {
+        return;
+    }
+    let suite = include_str!("../../../examples/extensions/two-parcels.toml");
+    place.file("two.toml", suite);
+    let results = place.openbench("run two.toml --jobs 2 --json --record none");
+    let metrics = &results.succeeded().json()["metrics"];
+    for key in ["sr_10m", "sr_2m", "sr_clean", "correct_unit", "srtp"] {
+        assert_eq!(metrics[key], 1.0, "{key}: {metrics}");
+    }
+    assert!(metrics["spl"].as_f64() > Some(0.3), "{metrics}");
+}
+
 #[test]
 fn the_default_reader_finds_a_door_of_the_town() {
     let place = town();
-    let models = place.openbench("models list").stdout;
-    if models
-        .lines()
-        .filter(|l| l.starts_with("ppocr-v4") && !l.contains("not here"))
-        .count()
-        < 2
-    {
-        common::skipped("the model files of ppocr-v4 are not here");
+    if !can_read(&place) {
         return;
     }
     let delivery = only_delivery(&deliver(

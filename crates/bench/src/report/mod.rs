@@ -12,8 +12,10 @@
 //! | `map` | the map of an episode, as SVG |
 //! | `drift` | the localization error over time |
 //! | `frames` | the camera frames in which plates were read |
+//! | `across` | means over several runs and differences between systems, as plain text |
 //! | `terminal` | the same metrics as plain text for a terminal |
 
+mod across;
 mod drift;
 mod frames;
 mod from_run;
@@ -32,6 +34,7 @@ use openbench_core::{Fallback, PlanPart};
 use crate::plural::count;
 use crate::score::departures::departures;
 use crate::score::results::{EpisodeResult, Results};
+pub use across::{comparison_table, means_table};
 pub use from_run::report_input;
 use html::escape;
 pub use input::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};

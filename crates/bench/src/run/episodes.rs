@@ -14,8 +14,8 @@ use crate::BenchError;
 use crate::report;
 use crate::run::episode::run_episode;
 use crate::run::files::{
-    REPORT, RESULTS, actions_path, exchanges_path, log_path, map_path, read_file, remove_files_of,
-    write_file,
+    REPORT, RESULTS, RUN, actions_path, exchanges_path, log_path, map_path, read_file,
+    remove_files_of, write_file,
 };
 use crate::run::folder::{RunFolder, interrupted_in};
 use crate::run::observer::Observer;
@@ -24,10 +24,11 @@ use crate::run::record::RunRecord;
 use crate::run::recorder::Recorder;
 use crate::run::recording::{FileHashes, Recording, replay};
 use crate::run::registry::AgentRequest;
-use crate::run::request::{RunRequest, Unfinished};
+use crate::run::request::{EpisodeEnd, RunRequest, Unfinished};
 use crate::run::rollout::Rollout;
 use crate::run::threads;
 use crate::run::truth::{Truth, TruthHandle};
+use crate::score::deliveries::score_episode;
 use crate::score::results::Results;
 use crate::trace::EpisodeTrace;
 use crate::worlds::Prepared;
@@ -55,6 +56,22 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
             folder.publish()?;
             Ok(output)
         }
+    }
+}
+
+/// The results of a finished run in the folder of the request, if the request would make them
+/// again: by the same program, agent and settings, in the same world.
+///
+/// # Errors
+/// A file of such a run that cannot be read.
+pub fn done_before(request: &RunRequest<'_>) -> Result<Option<Results>, BenchError> {
+    let Some(out) = request.out.filter(|out| out.join(RUN).exists()) else {
+        return Ok(None);
+    };
+    let (before, now) = (RunRecord::read(out)?, RunRecord::of(request)?);
+    match before.difference(&now) {
+        None => Ok(Some(Results::read(&out.join(RESULTS))?)),
+        Some(_) => Ok(None),
     }
 }
 
@@ -196,17 +213,24 @@ pub(super) fn replay_sealed(
 }
 
 /// Does `work` for the number of each episode, on the threads of the request, and reports progress.
-fn for_each_episode<T: Send>(
+fn for_each_episode(
     request: &RunRequest<'_>,
-    work: impl Fn(usize) -> Result<T, BenchError> + Sync,
-) -> Result<Vec<T>, BenchError> {
-    let numbers = 0..request.prepared.episodes.len();
+    work: impl Fn(usize) -> Result<EpisodeTrace, BenchError> + Sync,
+) -> Result<Vec<EpisodeTrace>, BenchError> {
+    let prepared = request.prepared;
+    let numbers = 0..prepared.episodes.len();
     // A plain counter: outcomes are collected on this thread alone.
-    let mut finished = 0;
-    threads::each(numbers, request.jobs, work, |outcome| {
-        finished += 1;
-        (request.progress)(finished);
-        Ok(outcome)
+    let mut ended = 0;
+    let work = |number| {
+        let trace = work(number)?;
+        let episode = &prepared.episodes[number];
+        let deliveries = score_episode(prepared, number, episode, &trace);
+        Ok::<_, BenchError>((trace, deliveries))
+    };
+    threads::each(numbers, request.jobs, work, |(trace, deliveries)| {
+        ended += 1;
+        (request.progress)(&EpisodeEnd { ended, deliveries });
+        Ok(trace)
     })
 }
 
@@ -301,13 +325,18 @@ pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
     Ok(())
 }
 
-fn repeat_one(request: &RunRequest<'_>, run: &Path, number: usize) -> Result<(), BenchError> {
+fn repeat_one(
+    request: &RunRequest<'_>,
+    run: &Path,
+    number: usize,
+) -> Result<EpisodeTrace, BenchError> {
     let recording = Recording::read(run, number)?;
     let exchanges = Exchanges::Repeat(exchanges_path(run, number));
     let made = make(request, number, exchanges)?;
     let trace = drive(request, number, made, &mut Recorder::none())?;
     let repeated = Recording::of(&trace, episode_seed(request.seed, number));
-    recording.compare(number, &repeated)
+    recording.compare(number, &repeated)?;
+    Ok(trace)
 }
 
 /// An agent for an episode.

@@ -35,14 +35,14 @@ pub mod truth;
 mod verify;
 
 pub use episode::run_episode;
-pub use episodes::{repeat, run};
+pub use episodes::{done_before, repeat, run};
 pub use folder::{InterruptedRun, MEMORY_BEFORE, UNFINISHED, interrupted, memory_of};
 pub use observer::Observer;
 pub use output::RunOutput;
 pub use record::RunRecord;
 pub use recorder::{Faults, ImuRange, Level};
 pub use registry::{AgentFactory, AgentRequest, Agents};
-pub use request::{RunRequest, Unfinished};
+pub use request::{EpisodeEnd, RunRequest, Unfinished};
 pub use rollout::{Rollout, Status};
 pub use truth::{Truth, TruthHandle};
 pub use verify::verify;

@@ -2,19 +2,21 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 use openbench_osm::merge_entrances;
 use serde::{Deserialize, Serialize};
 
 use super::files::{RUN, read_json, write_json};
 use super::recorder::Level;
-use super::request::RunRequest;
+use super::registry::AgentFactory;
+use super::request::{RunRequest, Unfinished};
 use crate::BenchError;
 use crate::score::provenance::{Build, ModelDigest, Provenance, Setting};
 use crate::score::results::MemoryUse;
 use crate::suite::Suite;
-use crate::worlds::Hashes;
 use crate::worlds::hashes::hash_bytes;
+use crate::worlds::{Hashes, Prepared};
 
 /// The parameters of a run. Results follow from them and from the recordings of the episodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -87,6 +89,32 @@ impl RunRecord {
         })
     }
 
+    /// The request for this run again, on one thread. Nothing is written, and no memory is known.
+    pub fn request<'a>(
+        &'a self,
+        prepared: &'a Prepared,
+        factory: &'a dyn AgentFactory,
+    ) -> RunRequest<'a> {
+        static GO_ON: AtomicBool = AtomicBool::new(false);
+        RunRequest {
+            prepared,
+            agent: &self.agent,
+            factory,
+            settings: &self.settings,
+            seed: self.seed,
+            jobs: 1,
+            level: Level::None,
+            out: None,
+            unfinished: Unfinished::Keep,
+            memory: None,
+            memory_file: None,
+            build: &self.build,
+            command: &self.command,
+            progress: &|_| {},
+            stop: &GO_ON,
+        }
+    }
+
     /// Reads the record of the run in the folder `run`.
     ///
     /// # Errors
@@ -137,9 +165,10 @@ impl RunRecord {
         if let Some((what, then, now)) = other {
             return Some(format!("its {what} is {then}, now it is {now}"));
         }
-        // Another processor may continue a run.
+        // Another processor may continue a run, and another command line may say the same.
         let same = Self {
             processor: self.processor.clone(),
+            command: self.command.clone(),
             build: self.build.clone(),
             ..now.clone()
         };

@@ -9,6 +9,7 @@ use openbench_osm::OsmData;
 use super::recorder::Level;
 use super::registry::AgentFactory;
 use crate::score::provenance::Build;
+use crate::score::results::DeliveryResult;
 use crate::worlds::Prepared;
 
 /// What to do with a run that was interrupted.
@@ -21,6 +22,15 @@ pub enum Unfinished {
     Discard,
     /// Run only those of its episodes that are missing.
     Resume,
+}
+
+/// The end of an episode, for people who wait.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EpisodeEnd {
+    /// Number of episodes that have ended.
+    pub ended: usize,
+    /// The results of this episode's deliveries.
+    pub deliveries: Vec<DeliveryResult>,
 }
 
 /// A run: suite, agent and options.
@@ -51,8 +61,8 @@ pub struct RunRequest<'a> {
     pub build: &'a Build,
     /// The command line, for the report.
     pub command: &'a str,
-    /// Called after each episode with the number of finished episodes.
-    pub progress: &'a (dyn Fn(usize) + Sync),
+    /// Called after each episode.
+    pub progress: &'a (dyn Fn(&EpisodeEnd) + Sync),
     /// When set, the run ends after the current step with [`BenchError::Interrupted`]. What is
     /// finished remains and can be resumed.
     ///

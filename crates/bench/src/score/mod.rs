@@ -9,8 +9,10 @@
 //! | [`statistics`] | confidence intervals |
 //! | [`provenance`] | [`Provenance`](provenance::Provenance): what results were made from and with |
 //! | [`results`] | [`Results`]: the file `results.json` |
+//! | [`across`] | several runs: means over seeds, differences between systems |
 //! | [`evaluate`] | the paper's metrics for logs of the reference recorder |
 
+pub mod across;
 pub(crate) mod deliveries;
 pub mod departures;
 pub mod evaluate;

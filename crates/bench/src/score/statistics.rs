@@ -103,15 +103,27 @@ pub fn mean_interval(episodes: &[Vec<f64>], seed: u64) -> Option<[f64; 2]> {
 /// assert_eq!(bootstrap_interval(&episodes[..4], 1), None);
 /// ```
 pub fn bootstrap_interval(clusters: &[Vec<f64>], seed: u64) -> Option<[f64; 2]> {
-    let filled = clusters.iter().filter(|cluster| !cluster.is_empty());
-    let sums: Vec<ClusterSum> = filled.map(|cluster| ClusterSum::of(cluster)).collect();
-    if sums.len() < MIN_EPISODES {
+    let filled = clusters
+        .iter()
+        .filter(|cluster| !cluster.is_empty())
+        .count();
+    if filled < MIN_EPISODES {
         return None;
     }
     let mut values = clusters.iter().flatten();
     let first = *values.next()?;
     if values.all(|value| *value == first) {
-        return wilson_bounds(first, sums.len() as f64);
+        return wilson_bounds(first, filled as f64);
+    }
+    resampled_means(clusters, seed)
+}
+
+/// The range of 95 % of the means of resampled clusters; `None` without values.
+pub(super) fn resampled_means(clusters: &[Vec<f64>], seed: u64) -> Option<[f64; 2]> {
+    let filled = clusters.iter().filter(|cluster| !cluster.is_empty());
+    let sums: Vec<ClusterSum> = filled.map(|cluster| ClusterSum::of(cluster)).collect();
+    if sums.is_empty() {
+        return None;
     }
     let mut random = Pcg32::seed_from_u64(seed);
     let mut means: Vec<f64> = (0..RESAMPLES)

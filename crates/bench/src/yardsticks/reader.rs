@@ -15,8 +15,9 @@ use crate::run::truth::{Instant, Truth};
 
 /// Width of the text of a plate, metres: the plate without its margins.
 const TEXT_WIDTH_M: f64 = PLATE_WIDTH_M - 0.1;
-/// A ray to a plate ends so far before it, metres: the plate does not hide itself.
-const BEFORE_M: f64 = 0.05;
+/// Rays to a plate end so far in front of its door, metres: the plate does not hide itself. Plates
+/// of imported worlds hang 10 cm in front of their doors, others less.
+const IN_FRONT_M: f64 = 0.12;
 
 /// The least height of capitals that are read, pixels.
 ///
@@ -124,8 +125,8 @@ impl TruthReader {
         let mut rays = RayPacket::idle();
         let mut limits = Vec::new();
         for (lane, point) in text.corners.iter().chain([&text.middle]).enumerate() {
-            let to = point - eye;
-            let limit = (to.norm() - BEFORE_M).max(0.0) as f32;
+            let to = point + text.normal * IN_FRONT_M - eye;
+            let limit = to.norm() as f32;
             let direction = to.normalize().cast::<f32>();
             rays.set(lane, eye.cast::<f32>().into(), direction.into(), limit);
             limits.push(limit);

@@ -1,5 +1,6 @@
 //! Arguments of `run`.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, ValueEnum};
@@ -22,6 +23,7 @@ pub enum Targets {
 Examples:
   openbench run medium --jobs 2 --out runs/medium
   openbench run --resume runs/medium
+  openbench run small --seeds 0..9 --jobs 2 --out runs/ten
   openbench run small --set localizer=dead-reckoning
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\
       --deliveries delivery_instructions_small.txt --truth delivery_instructions_small_gt.txt")]
@@ -36,6 +38,15 @@ pub struct RunArgs {
     /// Seed of all random draws
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+    /// Run with each of these seeds, the last one included, and report means over them; each gets
+    /// a folder in the folder of the run. Seeds that are done already are not run again
+    #[arg(
+        long,
+        value_name = "FIRST..LAST",
+        value_parser = seeds,
+        conflicts_with_all = ["seed", "memory", "draw"]
+    )]
+    pub seeds: Option<RangeInclusive<u64>>,
     /// Folder for results, report and logs; those of an earlier run there are replaced
     #[arg(long, default_value = "runs/latest")]
     pub out: PathBuf,
@@ -44,7 +55,7 @@ pub struct RunArgs {
         long,
         value_name = "DIR",
         conflicts_with_all = [
-            "suite", "agent", "seed", "out", "settings", "record", "pedestrians", "cars", "memory",
+            "suite", "agent", "seed", "seeds", "out", "settings", "record", "pedestrians", "cars", "memory",
             "world", "discard"
         ]
     )]

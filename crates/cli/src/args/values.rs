@@ -1,5 +1,7 @@
 //! How values on the command line are read.
 
+use std::ops::RangeInclusive;
+
 use openbench_core::{LonLat, MapPoint, Pose2};
 use openbench_osm::{Window, WindowError};
 
@@ -32,6 +34,16 @@ pub(super) fn key_value(text: &str) -> Result<(String, String), ValueError> {
         .split_once('=')
         .ok_or_else(|| unexpected(text, "KEY=VALUE"))?;
     Ok((key.trim().to_owned(), value.trim().to_owned()))
+}
+
+/// The first and the last of some seeds.
+pub(super) fn seeds(text: &str) -> Result<RangeInclusive<u64>, ValueError> {
+    const MOST: u64 = 1000;
+    let ends = text.split_once("..").and_then(|(first, last)| {
+        let range = first.trim().parse().ok()?..=last.trim().parse().ok()?;
+        (range.start() <= range.end() && range.end() - range.start() < MOST).then_some(range)
+    });
+    ends.ok_or_else(|| unexpected(text, "FIRST..LAST, up to 1000 seeds, such as 0..9"))
 }
 
 /// Finite numbers, separated by commas.
@@ -91,6 +103,15 @@ pub(super) fn pair(text: &str) -> Result<(f64, f64), ValueError> {
 pub(super) fn window(text: &str) -> Result<Window, ValueError> {
     let [west, south, east, north] = numbers(text, "WEST,SOUTH,EAST,NORTH in degrees")?;
     Ok(Window::new(west, south, east, north)?)
+}
+
+pub(super) fn points(text: &str) -> Result<f64, ValueError> {
+    let range = 0.1..=100.0;
+    number(
+        text,
+        |p| range.contains(&p),
+        "a difference from 0.1 to 100 points",
+    )
 }
 
 pub(super) fn metres(text: &str) -> Result<f64, ValueError> {

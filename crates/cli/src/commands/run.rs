@@ -17,9 +17,10 @@ use openbench_core::Address;
 use openbench_osm::OsmData;
 
 use crate::args::{RunArgs, Targets};
-use crate::commands::{planned_targets, read_map};
+use crate::commands::driving::drive_with_progress;
+use crate::commands::{planned_targets, read_map, seeds};
 use crate::outcome::{Outcome, say, say_json, tell};
-use crate::progress::{PullProgress, progress_bar};
+use crate::progress::PullProgress;
 use crate::signals::StopSignal;
 
 /// Runs a suite and prints the results.
@@ -84,7 +85,10 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
         progress: &|_| {},
         stop: stop.asked(),
     };
-    drive(request, args, stop)
+    match &args.seeds {
+        None => drive(request, args, stop),
+        Some(seeds) => seeds::drive_each(seeds, &request, args, stop),
+    }
 }
 
 /// Runs what is missing of an interrupted run.
@@ -116,11 +120,6 @@ fn resume(
     let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
     prepare_agent(factory, &record.settings)?;
     let request = RunRequest {
-        prepared: &prepared,
-        agent: &record.agent,
-        factory,
-        settings: &record.settings,
-        seed: record.seed,
         jobs: usize::from(args.jobs),
         level: record.logs,
         out: Some(out),
@@ -128,9 +127,8 @@ fn resume(
         memory: memory.as_ref(),
         memory_file: record.memory_file.as_deref(),
         build: &crate::build(),
-        command: &record.command,
-        progress: &|_| {},
         stop: stop.asked(),
+        ..record.request(&prepared, factory)
     };
     drive(request, args, stop)
 }
@@ -141,22 +139,12 @@ fn drive(request: RunRequest<'_>, args: &RunArgs, stop: &StopSignal) -> anyhow::
         probe(path)?;
     }
     let out = request.out.unwrap_or(&args.out);
-    let bar = progress_bar(request.prepared.episodes.len(), "delivering");
-    let request = RunRequest {
-        progress: &|done| bar.set_position(done as u64),
-        ..request
-    };
-    match openbench_bench::run(&request) {
+    match drive_with_progress(request) {
         Err(BenchError::Interrupted) => {
-            bar.finish_and_clear();
             tell(&stopped(out)?);
             Ok(Outcome::Stopped(stop.number()))
         }
-        output => {
-            let results = output?.results;
-            bar.finish_and_clear();
-            print(&results, out, args)
-        }
+        results => print(&results?, out, args),
     }
 }
 

@@ -1,11 +1,8 @@
 //! `openbench verify`
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
-use openbench_bench::{
-    Agents, Level, Prepared, RunRecord, RunRequest, Unfinished, memory_of, repeat, verify,
-};
+use openbench_bench::{Agents, Prepared, RunRecord, RunRequest, memory_of, repeat, verify};
 
 use crate::args::VerifyArgs;
 use crate::outcome::{Outcome, say, tell};
@@ -77,21 +74,10 @@ fn drive_again(record: &RunRecord, args: &VerifyArgs, agents: &Agents) -> anyhow
     super::run::prepare_agent(factory, &record.settings)?;
     let bar = progress_bar(prepared.episodes.len(), "driving again");
     let request = RunRequest {
-        prepared: &prepared,
-        agent: &record.agent,
-        factory,
-        settings: &record.settings,
-        seed: record.seed,
         jobs: usize::from(args.jobs),
-        level: Level::None,
-        out: None,
-        unfinished: Unfinished::Keep,
         memory: memory.as_ref(),
-        memory_file: None,
-        build: &record.build,
-        command: "",
-        progress: &|done| bar.set_position(done as u64),
-        stop: &AtomicBool::new(false),
+        progress: &|end| bar.set_position(end.ended as u64),
+        ..record.request(&prepared, factory)
     };
     repeat(&request, &args.run)?;
     bar.finish_and_clear();

@@ -16,6 +16,7 @@
 //! | [`doors`] | doors that an agent added to its map |
 //! | [`mod@localization`] | localization errors |
 //! | [`consistency`] | consistency of odometry errors with their covariances |
+//! | `values` | what a delivery contributes to them |
 //! | [`summary`] | all metrics over the deliveries of a run, with intervals |
 
 pub mod collisions;
@@ -28,6 +29,7 @@ pub mod sequence;
 pub mod srtp;
 pub mod success;
 pub mod summary;
+pub(crate) mod values;
 
 pub use collisions::CollisionSum;
 pub use consistency::{EstimatedPose, Nees, StampedPose, nees};

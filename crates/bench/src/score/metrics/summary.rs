@@ -6,9 +6,13 @@ use std::ops::Add;
 use super::collisions;
 use super::encounters::EncounterSum;
 use super::localization::LocalizationSum;
-use super::path_ratio::{path_ratio, spl};
+use super::path_ratio::spl;
 use super::sequence::sequence_mean;
 use super::srtp::Understood;
+use super::values::{
+    Value, by_episode, clean_success, correct_unit, paper_ratio, paper_success, strict_ratio,
+    strict_success,
+};
 use crate::score::results::{DeliveryResult, Metrics};
 use crate::score::statistics::{Proportion, mean_interval, rate_interval};
 use crate::trace::SmoothnessSum;
@@ -106,16 +110,8 @@ struct Episodes<'a> {
 
 impl<'a> Episodes<'a> {
     fn of(deliveries: &'a [DeliveryResult]) -> Self {
-        let mut episodes = BTreeMap::<usize, Vec<&DeliveryResult>>::new();
-        for delivery in deliveries {
-            episodes.entry(delivery.episode).or_default().push(delivery);
-        }
-        // The weights of LSR and LSPL fall with the position in the sequence.
-        let ordered = episodes.into_values().map(|mut episode| {
-            episode.sort_by_key(|d| d.task);
-            episode
-        });
-        let (singles, sequences) = ordered.partition(|episode| episode.len() == 1);
+        let episodes = by_episode(deliveries).into_values();
+        let (singles, sequences) = episodes.partition(|episode| episode.len() == 1);
         Self { singles, sequences }
     }
 }
@@ -144,41 +140,6 @@ impl Shares {
             spl: mean("spl", strict_ratio),
         }
     }
-}
-
-/// A value of a delivery, 0 to 1.
-type Value = fn(&DeliveryResult) -> f64;
-
-fn paper_success(delivery: &DeliveryResult) -> f64 {
-    f64::from(delivery.success_10m)
-}
-
-fn strict_success(delivery: &DeliveryResult) -> f64 {
-    f64::from(delivery.success_2m)
-}
-
-/// Strict success without a collision, nor a contact left from the delivery before.
-fn clean_success(delivery: &DeliveryResult) -> f64 {
-    let is_clean = delivery.collisions == 0 && delivery.contact_s == 0.0;
-    f64::from(delivery.success_2m && is_clean)
-}
-
-fn correct_unit(delivery: &DeliveryResult) -> f64 {
-    f64::from(delivery.correct_unit)
-}
-
-fn paper_ratio(delivery: &DeliveryResult) -> f64 {
-    path_ratio(
-        delivery.success_10m,
-        delivery.straight_line_m,
-        delivery.path_m,
-    )
-}
-
-fn strict_ratio(delivery: &DeliveryResult) -> f64 {
-    // Without a drivable path to the door the ratio is 0.
-    let shortest = delivery.shortest_path_m.unwrap_or(f64::INFINITY);
-    path_ratio(delivery.success_2m, shortest, delivery.path_m)
 }
 
 /// The intervals computed so far, by name of the metric; `None` for too few episodes.

@@ -1,0 +1,117 @@
+//! The values of a system, by where and when they were measured.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::{Deserialize, Serialize};
+
+use super::measures::{Episode, Measure};
+use super::system::System;
+use crate::score::metrics::values::by_episode;
+use crate::score::statistics::MIN_EPISODES;
+
+/// What is resampled as a whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClusteredBy {
+    /// Worlds: intervals are for other worlds.
+    World,
+    /// Episodes, with all their seeds. There are too few worlds, so intervals are for other
+    /// episodes in the same worlds.
+    Episode,
+}
+
+/// The world and the suite of a run, by their hashes.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Setup {
+    pub world: String,
+    pub map: String,
+    pub suite: String,
+    pub truth: Option<String>,
+}
+
+/// Where a value was measured.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Place {
+    pub setup: Setup,
+    pub seed: u64,
+    pub episode: usize,
+    /// The address; empty for a value of the whole episode.
+    pub door: String,
+}
+
+/// Values by place.
+pub(super) type Samples = BTreeMap<Place, f64>;
+
+/// The setups and seeds of a system's runs.
+pub(super) fn setups(system: &System) -> Vec<(Setup, u64)> {
+    let hashes = system
+        .runs
+        .iter()
+        .map(|run| (&run.provenance.hashes, run.seed));
+    let setups = hashes.map(|(hashes, seed)| {
+        let setup = Setup {
+            world: hashes.world.clone(),
+            map: hashes.map.clone(),
+            suite: hashes.suite.clone(),
+            truth: hashes.truth.clone(),
+        };
+        (setup, seed)
+    });
+    setups.collect()
+}
+
+/// The values of a measure in all runs of a system.
+pub(super) fn samples(system: &System, measure: &Measure) -> Samples {
+    let mut samples = Samples::new();
+    for (run, (setup, seed)) in system.runs.iter().zip(setups(system)) {
+        for (number, deliveries) in by_episode(&run.deliveries) {
+            let episode = Episode {
+                deliveries: &deliveries,
+                result: run.episodes.iter().find(|e| e.episode == number),
+            };
+            for (door, value) in measure.values(episode) {
+                let place = Place {
+                    setup: setup.clone(),
+                    seed,
+                    episode: number,
+                    door,
+                };
+                samples.insert(place, value);
+            }
+        }
+    }
+    samples
+}
+
+/// By what the runs of a system are clustered: by world if there are enough of them.
+pub(super) fn clustered_by(system: &System) -> ClusteredBy {
+    let setups = setups(system);
+    let worlds: BTreeSet<&String> = setups.iter().map(|(setup, _)| &setup.world).collect();
+    if worlds.len() >= MIN_EPISODES {
+        ClusteredBy::World
+    } else {
+        ClusteredBy::Episode
+    }
+}
+
+/// The values of each cluster.
+pub(super) fn clusters(samples: &Samples, by: ClusteredBy) -> Vec<Vec<f64>> {
+    let mut clusters = BTreeMap::<(&Setup, usize), Vec<f64>>::new();
+    let mut worlds = BTreeMap::<&String, Vec<f64>>::new();
+    for (place, value) in samples {
+        match by {
+            ClusteredBy::World => worlds.entry(&place.setup.world).or_default().push(*value),
+            ClusteredBy::Episode => clusters
+                .entry((&place.setup, place.episode))
+                .or_default()
+                .push(*value),
+        }
+    }
+    worlds.into_values().chain(clusters.into_values()).collect()
+}
+
+/// The mean of all values; `None` without values.
+pub(super) fn mean<'a>(values: impl Iterator<Item = &'a f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}

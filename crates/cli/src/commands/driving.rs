@@ -1,0 +1,45 @@
+//! Driving the episodes of a run, with progress for whoever waits.
+
+use openbench_bench::score::results::DeliveryResult;
+use openbench_bench::{BenchError, EpisodeEnd, Results, RunRequest};
+
+use crate::outcome::tell;
+use crate::progress::progress_bar;
+
+/// Drives the episodes of a request; shows a bar to people, and tells of each delivery to files.
+pub fn drive_with_progress(request: RunRequest<'_>) -> Result<Results, BenchError> {
+    let episodes = request.prepared.episodes.len();
+    let bar = progress_bar(episodes, "delivering");
+    let output = openbench_bench::run(&RunRequest {
+        progress: &|end| {
+            bar.set_position(end.ended as u64);
+            // A hidden bar: nobody watches a terminal.
+            if bar.is_hidden() {
+                tell(&delivery_lines(end, episodes));
+            }
+        },
+        ..request
+    });
+    bar.finish_and_clear();
+    Ok(output?.results)
+}
+
+/// A line for each delivery of an episode.
+fn delivery_lines(end: &EpisodeEnd, episodes: usize) -> String {
+    let line = |delivery: &DeliveryResult| {
+        let ended = match delivery.failure {
+            Some(failure) => failure.to_string(),
+            None => "delivered".to_owned(),
+        };
+        format!(
+            "{} of {episodes} episodes: {}.{} {}: {ended}, {:.0} s",
+            end.ended,
+            delivery.episode,
+            delivery.task,
+            delivery.address(),
+            delivery.sim_seconds
+        )
+    };
+    let lines: Vec<String> = end.deliveries.iter().map(line).collect();
+    lines.join("\n")
+}
