@@ -6,7 +6,7 @@
 //! without rotation or scale.
 
 use openbench_core::{
-    Briefing, Event, Events, GnssFix, Goal, MapPoint, Observation, Pose2, PoseEstimate,
+    Briefing, CostGrid, Event, Events, GnssFix, Goal, MapPoint, Observation, Pose2, PoseEstimate,
 };
 
 /// A start nearer to the origin than this keeps its frame.
@@ -106,6 +106,10 @@ impl Border {
         match event {
             Event::Route(route) => Event::Route(points(route)),
             Event::Path(path) => Event::Path(points(path)),
+            Event::Costmap(grid) => Event::Costmap(CostGrid {
+                origin: self.outwards(grid.origin),
+                ..grid
+            }),
             Event::PoseEstimate(PoseEstimate { pose, health }) => {
                 Event::PoseEstimate(PoseEstimate {
                     pose: self.pose_outwards(pose),

@@ -18,6 +18,20 @@ pub struct PoseEstimate {
     pub health: Health,
 }
 
+/// The ground around an agent, as it takes it to be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CostGrid {
+    /// South-west corner in `map`.
+    pub origin: MapPoint,
+    /// Side of a cell, metres.
+    pub cell_m: f64,
+    /// Columns.
+    pub width: usize,
+    /// The cells, row by row from the south-west: -1 unknown, 0 free to 100 occupied. As in ROS, 99
+    /// is free ground on which the robot does not fit.
+    pub cells: Vec<i8>,
+}
+
 /// An event for the log.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
@@ -29,6 +43,8 @@ pub enum Event {
     Route(Vec<MapPoint>),
     /// The path that is being followed, in `map`.
     Path(Vec<MapPoint>),
+    /// The ground around the agent.
+    Costmap(CostGrid),
     /// The agent's estimate of its pose.
     PoseEstimate(PoseEstimate),
     /// Candidate poses from which to look for a door.

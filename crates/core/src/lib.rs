@@ -35,7 +35,7 @@ pub mod time;
 pub use address::Address;
 pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation, Velocity};
 pub use causes::with_causes;
-pub use events::{Discard, Event, Events, PoseEstimate};
+pub use events::{CostGrid, Discard, Event, Events, PoseEstimate};
 pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};
 pub use health::{Doubt, Health};
 pub use model_use::ModelUse;

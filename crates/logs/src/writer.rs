@@ -60,8 +60,32 @@ impl<W: Write + Seek> LogWriter<W> {
         time: SimTime,
         message: &M,
     ) -> Result<(), LogError> {
+        self.write_on(topic, time, message, "")
+    }
+
+    /// Writes a message that holds until the next one on its topic. Players of logs give the last
+    /// one to whoever subscribes later.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn write_lasting<M: Message>(
+        &mut self,
+        topic: &str,
+        time: SimTime,
+        message: &M,
+    ) -> Result<(), LogError> {
+        self.write_on(topic, time, message, LASTING)
+    }
+
+    fn write_on<M: Message>(
+        &mut self,
+        topic: &str,
+        time: SimTime,
+        message: &M,
+        quality: &str,
+    ) -> Result<(), LogError> {
         // Before encoding: a message of a wrong type leaves no trace.
-        let header = self.next_header(topic, time, M::DEFINITION)?;
+        let header = self.next_header(topic, time, M::DEFINITION, quality)?;
         self.message.clear();
         message.encode(&mut self.message);
         Ok(self
@@ -74,12 +98,13 @@ impl<W: Write + Seek> LogWriter<W> {
         topic: &str,
         time: SimTime,
         definition: &'static Definition,
+        quality: &str,
     ) -> Result<MessageHeader, LogError> {
         // Not `entry`: that needs an owned name for each message.
         let open = match self.topics.get_mut(topic) {
             Some(open) => open,
             None => {
-                let channel = open_channel(&mut self.mcap, topic, definition)?;
+                let channel = open_channel(&mut self.mcap, topic, definition, quality)?;
                 let open = Topic {
                     channel,
                     definition,
@@ -120,6 +145,7 @@ fn open_channel<W: Write + Seek>(
     mcap: &mut mcap::Writer<W>,
     topic: &str,
     definition: &Definition,
+    quality: &str,
 ) -> Result<u16, LogError> {
     let schema = mcap.add_schema(
         &definition.full_name(),
@@ -127,9 +153,29 @@ fn open_channel<W: Write + Seek>(
         definition.schema().as_bytes(),
     )?;
     // The ros2 profile requires this key; empty stands for the defaults of the middleware.
-    let metadata = BTreeMap::from([("offered_qos_profiles".to_owned(), String::new())]);
+    let metadata = BTreeMap::from([("offered_qos_profiles".to_owned(), quality.to_owned())]);
     Ok(mcap.add_channel(schema, topic, "cdr", &metadata)?)
 }
+
+/// How a topic is offered whose last message holds: reliable and transient local, as rosbag2 writes
+/// it.
+const LASTING: &str = "\
+- history: 1
+  depth: 1
+  reliability: 1
+  durability: 1
+  deadline:
+    sec: 9223372036
+    nsec: 854775807
+  lifespan:
+    sec: 9223372036
+    nsec: 854775807
+  liveliness: 1
+  liveliness_lease_duration:
+    sec: 9223372036
+    nsec: 854775807
+  avoid_ros_namespace_conventions: false
+";
 
 /// A log on disk.
 ///
@@ -186,6 +232,20 @@ impl LogFile {
         message: &M,
     ) -> Result<(), LogError> {
         self.log.write(topic, time, message)
+    }
+
+    /// Writes a message that holds until the next one on its topic, see
+    /// [`LogWriter::write_lasting`].
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn write_lasting<M: Message>(
+        &mut self,
+        topic: &str,
+        time: SimTime,
+        message: &M,
+    ) -> Result<(), LogError> {
+        self.log.write_lasting(topic, time, message)
     }
 
     /// Completes the log, renames it and returns its path.

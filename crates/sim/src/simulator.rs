@@ -177,6 +177,11 @@ impl Simulator {
         }
     }
 
+    /// Sizes and sensors of the robot.
+    pub fn robot(&self) -> &RobotDescription {
+        &self.robot
+    }
+
     /// Simulated time now.
     pub fn time(&self) -> SimTime {
         self.time

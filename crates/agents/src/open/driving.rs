@@ -28,6 +28,9 @@ const LONGEST_AMONG_PEOPLE: Duration = Duration::from_secs(300);
 /// this many metres.
 const DETOUR_FACTOR: f64 = 1.6;
 const DETOUR_M: f64 = 6.0;
+/// Time between two reports of the ground, and how far they reach along x and y, metres.
+const COSTMAP_INTERVAL: Duration = Duration::from_secs(2);
+const COSTMAP_M: f64 = 10.0;
 
 /// A target to drive to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,6 +83,8 @@ pub struct Driver {
     patience: Patience,
     /// The path that was last reported.
     reported: Vec<MapPoint>,
+    /// When the ground was last reported.
+    shown: Option<SimTime>,
 }
 
 impl Driver {
@@ -105,6 +110,7 @@ impl Driver {
             first_length: None,
             patience: Patience::default(),
             reported: Vec::new(),
+            shown: None,
         })
     }
 
@@ -193,6 +199,7 @@ impl Driver {
         let decided = self.navigator.drive(&surroundings, &mut self.terrain);
         // First, since the first path sets the time limit that `is_spent` tests.
         self.report(events);
+        self.show_ground(pose.point(), now, events);
         let late = self.patience.is_spent();
         let driving = match decided {
             Navigation::Drive(_) if late || !target.must && self.is_detour() => {
@@ -234,6 +241,16 @@ impl Driver {
                 "{:?}: {}",
                 recovery.step, recovery.cause
             )));
+        }
+    }
+
+    /// Reports the ground around the robot from time to time.
+    fn show_ground(&mut self, here: MapPoint, now: SimTime, events: &mut dyn Events) {
+        let is_due = |shown: SimTime| now.since(shown) >= COSTMAP_INTERVAL;
+        if self.shown.is_none_or(is_due) {
+            self.shown = Some(now);
+            let ground = self.terrain.near().around(here, COSTMAP_M);
+            events.record(Event::Costmap(ground));
         }
     }
 

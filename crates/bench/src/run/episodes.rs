@@ -266,11 +266,7 @@ fn run_one(
     // Before the log is begun, so that an agent that cannot be made leaves none behind.
     let made = make(request, number, exchanges)?;
     let mut recorder = match into {
-        Some(run) => Recorder::create(
-            &log_path(run, number),
-            request.level,
-            request.prepared.world.georeference,
-        )?,
+        Some(run) => Recorder::create(&log_path(run, number), request.level, request.prepared)?,
         None => Recorder::none(),
     };
     let trace = drive(request, number, made, &mut recorder)?;

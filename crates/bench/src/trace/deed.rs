@@ -131,7 +131,11 @@ impl Deed {
                 latency_ms: 0,
                 ..*used
             }),
-            Event::Task(_) | Event::Path(_) | Event::Waypoints(_) | Event::Note(_) => return None,
+            Event::Task(_)
+            | Event::Path(_)
+            | Event::Costmap(_)
+            | Event::Waypoints(_)
+            | Event::Note(_) => return None,
         })
     }
 

@@ -41,7 +41,7 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
         },
         seed: args.seed,
     };
-    let recorder = Recorder::create(&args.out, Level::Full, prepared.world.georeference)?;
+    let recorder = Recorder::create(&args.out, Level::Full, &prepared)?;
     let mut recorder = recorder.with_faults(faults);
     let bar = progress_bar(tour.time.as_secs() as usize, "driving");
     let driven = drive(&prepared, &tour, &mut |simulator, velocity| {

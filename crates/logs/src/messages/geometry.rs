@@ -6,7 +6,7 @@ use openbench_core::{Pose2, Pose3, Velocity};
 use super::{Definition, Header, Message};
 use crate::cdr::{CdrError, CdrReader, CdrWriter};
 
-const POINT: &Definition = &Definition {
+pub(super) const POINT: &Definition = &Definition {
     name: "geometry_msgs/Point",
     fields: "float64 x\nfloat64 y\nfloat64 z\n",
     parts: &[],

@@ -4,10 +4,13 @@
 //! metres, radians, x forward. A log contains these definitions, so that other tools can decode it.
 //! Definitions contain the fields of the standard messages without their comments.
 
+mod camera;
 mod cloud_scan;
 mod definition;
 mod geometry;
+mod grid;
 mod livox;
+mod marker;
 mod nav;
 mod nav_sat;
 mod point_cloud;
@@ -16,17 +19,20 @@ mod standard;
 
 use crate::cdr::{CdrError, CdrReader, CdrWriter};
 
+pub use camera::CameraInfo;
 pub use cloud_scan::CloudError;
 pub use definition::Definition;
 pub use geometry::{
     Pose, PoseArray, PoseStamped, TfMessage, TransformStamped, Twist, TwistStamped,
 };
+pub use grid::OccupancyGrid;
 pub use livox::{CustomMsg, CustomPoint};
+pub use marker::{Marker, MarkerArray, Shape};
 pub use nav::{Odometry, Path};
 pub use nav_sat::NavSatFix;
 pub use point_cloud::{PointCloud2, PointField};
-pub use sensors::{CompressedImage, Imu, JointState};
-pub use standard::{Header, StringMessage, Time};
+pub use sensors::{CAMERA_OPTICAL, CompressedImage, Imu, JointState};
+pub use standard::{Clock, Header, StringMessage, Time};
 
 /// A ROS 2 message.
 ///

@@ -166,6 +166,9 @@ impl Message for JointState {
     }
 }
 
+/// The frame of the camera's images: z forward, x to the right (REP 103).
+pub const CAMERA_OPTICAL: &str = "camera_optical";
+
 /// `sensor_msgs/CompressedImage`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct CompressedImage {
@@ -181,7 +184,7 @@ impl CompressedImage {
     /// A JPEG file of the robot's camera.
     pub fn jpeg(stamp: SimTime, data: Vec<u8>) -> Self {
         Self {
-            header: Header::new(stamp, "camera_link"),
+            header: Header::new(stamp, CAMERA_OPTICAL),
             format: "jpeg".to_owned(),
             data,
         }

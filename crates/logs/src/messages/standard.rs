@@ -1,4 +1,4 @@
-//! `builtin_interfaces/Time`, `std_msgs/Header`, `std_msgs/String`.
+//! `builtin_interfaces/Time`, `rosgraph_msgs/Clock`, `std_msgs/Header`, `std_msgs/String`.
 
 use openbench_core::SimTime;
 
@@ -30,12 +30,32 @@ impl Message for Time {
     }
 }
 
+/// `rosgraph_msgs/Clock`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Clock(pub SimTime);
+
+impl Message for Clock {
+    const DEFINITION: &'static Definition = &Definition {
+        name: "rosgraph_msgs/Clock",
+        fields: "builtin_interfaces/Time clock\n",
+        parts: &[Time::DEFINITION],
+    };
+
+    fn encode(&self, out: &mut CdrWriter) {
+        Time(self.0).encode(out);
+    }
+
+    fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+        Ok(Self(Time::decode(input)?.0))
+    }
+}
+
 /// `std_msgs/Header`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Header {
     /// Time to which the message refers.
     pub stamp: SimTime,
-    /// Frame of the data: `map`, `odom`, `base_link`, `livox_frame`, `camera_link`, `imu_link`.
+    /// Frame of the data: `map`, `odom`, `base_link`, `livox_frame`, `camera_optical`, …
     pub frame_id: String,
 }
 

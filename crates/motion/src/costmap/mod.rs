@@ -20,7 +20,7 @@ mod rolling_window;
 mod seen;
 mod walls;
 
-use openbench_core::{MapPoint, Pose2, RobotDescription};
+use openbench_core::{CostGrid, MapPoint, Pose2, RobotDescription};
 use openbench_geometry::grid::{GridGeometry, squared_distances};
 use openbench_osm::OsmMap;
 
@@ -232,6 +232,35 @@ impl Costmap {
             cells: (0..self.grid.len())
                 .map(|cell| self.occupancy_of(cell))
                 .collect(),
+        }
+    }
+
+    /// The part of the costmap within `half_m` metres of a place along x and y, as it is shown.
+    pub fn around(&self, place: MapPoint, half_m: f64) -> CostGrid {
+        let grid = &self.grid;
+        let low = |at: f64, origin: f64| ((at - half_m - origin) / grid.cell).max(0.0) as usize;
+        let high = |at: f64, origin: f64| ((at + half_m - origin) / grid.cell).max(0.0) as usize;
+        let columns = low(place.x, grid.origin.x)..high(place.x, grid.origin.x).min(grid.width);
+        let rows = low(place.y, grid.origin.y)..high(place.y, grid.origin.y).min(grid.height);
+        let row = |y: usize| columns.clone().map(move |x| self.shown(y * grid.width + x));
+        CostGrid {
+            origin: MapPoint::new(
+                grid.origin.x + columns.start as f64 * grid.cell,
+                grid.origin.y + rows.start as f64 * grid.cell,
+            ),
+            cell_m: grid.cell,
+            width: columns.len(),
+            cells: rows.clone().flat_map(row).collect(),
+        }
+    }
+
+    /// The value of a cell as it is shown.
+    fn shown(&self, cell: usize) -> i8 {
+        /// As in ROS: free, but the robot does not fit.
+        const TOO_NARROW: i8 = 99;
+        match self.occupancy_of(cell) {
+            Occupancy::FREE if self.cost(cell).is_none() => TOO_NARROW,
+            value => value,
         }
     }
 

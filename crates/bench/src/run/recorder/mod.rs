@@ -1,15 +1,24 @@
 //! The log of an episode: MCAP with ROS 2 messages.
+//!
+//! | module | content |
+//! |---|---|
+//! | `robot` | the robot's frames, and its form as URDF |
+//! | `markers` | the map, the true doors, and what the agent found |
+
+mod markers;
+mod robot;
 
 use std::path::Path;
 use std::str::FromStr;
 
 use openbench_core::{
-    Event, Georeference, ImuSample, LidarScan, MapPoint, ModelUse, Observation, Pose2, SimTime,
-    Velocity,
+    CostGrid, Event, Image, ImuSample, LidarScan, MapPoint, ModelUse, Observation, Pose2, Pose3,
+    RobotDescription, SimTime, Velocity,
 };
 use openbench_logs::messages::{
-    CompressedImage, Header, Imu, JointState, NavSatFix, Odometry, Path as PathMessage,
-    PointCloud2, Pose, PoseArray, PoseStamped, StringMessage, Twist,
+    CAMERA_OPTICAL, CameraInfo, Clock, CompressedImage, Header, Imu, JointState, MarkerArray,
+    NavSatFix, OccupancyGrid, Odometry, Path as PathMessage, PointCloud2, Pose, PoseArray,
+    PoseStamped, StringMessage, TfMessage, Twist,
 };
 use openbench_logs::{LogError, LogFile};
 use openbench_osm::Projection;
@@ -20,6 +29,7 @@ use serde::{Deserialize, Serialize};
 use super::observer::Observer;
 use crate::BenchError;
 use crate::image_file;
+use crate::worlds::Prepared;
 
 /// The content of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -59,6 +69,11 @@ const THIN_POINT_STRIDE: usize = 20;
 const SCAN_PERIOD_NS: u64 = 100_000_000;
 /// Time between two records of the poses of people and cars.
 const MOVERS_PERIOD_NS: u64 = 200_000_000;
+
+/// The frame of the true pose: clouds and images lie where they were taken.
+const BASE: &str = "base_link";
+/// The frame of the pose that the agent believes.
+const BELIEVED: &str = "base_link_believed";
 
 /// Simulated faults of the sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -109,8 +124,19 @@ pub struct Recorder {
     log: Option<LogFile>,
     level: Level,
     faults: Faults,
+    scenery: Option<Scenery>,
+    /// Whether what does not change is written.
+    has_begun: bool,
+    /// Number of plates and doors that were marked.
+    marked: i32,
+}
+
+/// What a log shows beside the robot.
+struct Scenery {
     /// From the `map` frame to longitude and latitude.
-    projection: Option<Projection>,
+    projection: Projection,
+    map: MarkerArray,
+    doors: MarkerArray,
 }
 
 impl Recorder {
@@ -120,25 +146,31 @@ impl Recorder {
             log: None,
             level: Level::None,
             faults: Faults::default(),
-            projection: None,
+            scenery: None,
+            has_begun: false,
+            marked: 0,
         }
     }
 
-    /// A recorder that writes to a file; `georeference` places the world on the Earth.
+    /// A recorder that writes to a file what happens in the world of a suite.
     ///
     /// # Errors
     /// A file that cannot be created.
-    pub fn create(path: &Path, level: Level, georeference: Georeference) -> Result<Self, LogError> {
-        let log = if level == Level::None {
-            None
-        } else {
-            Some(LogFile::create(path)?)
-        };
+    pub fn create(path: &Path, level: Level, prepared: &Prepared) -> Result<Self, LogError> {
+        if level == Level::None {
+            return Ok(Self::none());
+        }
         Ok(Self {
-            log,
+            log: Some(LogFile::create(path)?),
             level,
             faults: Faults::default(),
-            projection: Some(Projection::new(georeference)),
+            scenery: Some(Scenery {
+                projection: Projection::new(prepared.world.georeference),
+                map: markers::of_map(&prepared.osm_map()),
+                doors: markers::of_doors(&prepared.world.scene.doors),
+            }),
+            has_begun: false,
+            marked: 0,
         })
     }
 
@@ -148,33 +180,55 @@ impl Recorder {
         Self { faults, ..self }
     }
 
+    /// Records what does not change, and where everything is before the first step.
+    ///
+    /// # Errors
+    /// A message that cannot be written.
+    pub fn begin(&mut self, simulator: &Simulator) -> Result<(), LogError> {
+        self.write_fixed(simulator)?;
+        match &mut self.log {
+            Some(log) => write_state(log, simulator, Velocity::ZERO),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes what does not change, once.
+    fn write_fixed(&mut self, simulator: &Simulator) -> Result<(), LogError> {
+        let Some(log) = self.log.as_mut().filter(|_| !self.has_begun) else {
+            return Ok(());
+        };
+        self.has_begun = true;
+        let (time, robot) = (simulator.time(), simulator.robot());
+        log.write_lasting("/tf_static", time, &robot::fixed_transforms(robot))?;
+        let urdf = StringMessage(robot::urdf(robot));
+        log.write_lasting("/robot_description", time, &urdf)?;
+        if let Some(scenery) = &self.scenery {
+            log.write_lasting("/map/markers", time, &scenery.map)?;
+            log.write_lasting("/ground_truth/doors", time, &scenery.doors)?;
+        }
+        write_camera_info(log, time, robot)
+    }
+
     /// Records the state after a step and the commanded velocity.
     ///
     /// # Errors
     /// A message that cannot be written.
     pub fn step(&mut self, simulator: &Simulator, velocity: Velocity) -> Result<(), LogError> {
+        // A drive that nobody announced begins with its first step.
+        self.write_fixed(simulator)?;
         let Some(log) = &mut self.log else {
             return Ok(());
         };
         let time = simulator.time();
         let observation = simulator.observation();
-        let twist = Twist {
-            linear: [velocity.linear, 0.0, 0.0],
-            angular: [0.0, 0.0, velocity.angular],
-        };
-        let odometry = Odometry::new(
-            Header::new(time, "map"),
-            "base_link",
-            simulator.base_link().into(),
-            twist,
-        );
-        log.write("/ground_truth/odom", time, &odometry)?;
+        write_state(log, simulator, velocity)?;
         // Steps end at multiples of 50 ms, so no multiple of the period is missed.
         if !simulator.movers().is_empty() && time.0.is_multiple_of(MOVERS_PERIOD_NS) {
             write_movers(log, simulator)?;
         }
         if self.level == Level::Full {
-            write_samples(log, &observation, &self.faults, self.projection.as_ref())?;
+            let projection = self.scenery.as_ref().map(|scenery| &scenery.projection);
+            write_samples(log, &observation, &self.faults, projection)?;
         }
         match observation
             .scan
@@ -211,8 +265,10 @@ impl Recorder {
             Event::Route(points) => log.write("/route", time, &PathMessage::over(header(), points)),
             Event::Path(points) => log.write("/path", time, &PathMessage::over(header(), points)),
             Event::PoseEstimate(estimate) => {
-                log.write("/pose", time, &stamped(header(), estimate.pose))
+                log.write("/pose", time, &stamped(header(), estimate.pose))?;
+                write_pose(log, time, BELIEVED, estimate.pose.to_pose3(0.0))
             }
+            Event::Costmap(grid) => log.write("/costmap", time, &occupancy(header(), grid)),
             Event::Waypoints(poses) => {
                 let poses = poses.iter().map(|p| stamped(header(), *p)).collect();
                 log.write(
@@ -228,29 +284,26 @@ impl Recorder {
                 text,
                 confidence,
                 image,
+                position,
                 ..
             } => {
-                log.write(
-                    "/plate",
-                    time,
-                    &StringMessage(format!("{text} ({confidence:.2})")),
-                )?;
+                let said = format!("{text} ({confidence:.2})");
+                if let Some(position) = position {
+                    self.marked += 1;
+                    let markers = markers::of_plate(time, self.marked, &said, *position);
+                    log.write("/found", time, &markers)?;
+                }
+                log.write("/plate", time, &StringMessage(said))?;
                 // Images in which nothing was read would fill the log.
-                log.write(
-                    "/camera/image/compressed",
-                    time,
-                    &CompressedImage::jpeg(
-                        image.stamp,
-                        // Empty if JPEG cannot hold the image: an error would end the episode.
-                        image_file::jpeg(image).unwrap_or_default(),
-                    ),
-                )
+                write_image(log, time, image)
             }
-            Event::DoorWritten { address, position } => log.write(
-                "/door",
-                time,
-                &StringMessage(format!("{address} at {position}")),
-            ),
+            Event::DoorWritten { address, position } => {
+                self.marked += 1;
+                let markers = markers::of_door(time, self.marked, address, *position);
+                log.write("/found", time, &markers)?;
+                let text = format!("{address} at {position}");
+                log.write("/door", time, &StringMessage(text))
+            }
             Event::Models(used) => {
                 // Without the latency, which differs from run to run.
                 let ModelUse {
@@ -284,12 +337,67 @@ impl Recorder {
 
 // By reference: a rollout drops its observers, but a recorder must complete its log afterwards.
 impl Observer for &mut Recorder {
+    fn begin(&mut self, simulator: &Simulator) -> Result<(), BenchError> {
+        Ok(Recorder::begin(self, simulator)?)
+    }
+
     fn step(&mut self, simulator: &Simulator, velocity: Velocity) -> Result<(), BenchError> {
         Ok(Recorder::step(self, simulator, velocity)?)
     }
 
     fn event(&mut self, time: SimTime, event: &Event) -> Result<(), BenchError> {
         Ok(Recorder::event(self, time, event)?)
+    }
+}
+
+/// Writes the time, the true pose and the commanded velocity.
+fn write_state(
+    log: &mut LogFile,
+    simulator: &Simulator,
+    velocity: Velocity,
+) -> Result<(), LogError> {
+    let time = simulator.time();
+    log.write("/clock", time, &Clock(time))?;
+    write_pose(log, time, BASE, simulator.base_link())?;
+    let twist = Twist::from(velocity);
+    log.write("/cmd_vel", time, &twist)?;
+    let pose = simulator.base_link().into();
+    let odometry = Odometry::new(Header::new(time, "map"), BASE, pose, twist);
+    log.write("/ground_truth/odom", time, &odometry)
+}
+
+/// Writes the pose of a frame in `map`.
+fn write_pose(log: &mut LogFile, time: SimTime, name: &str, pose: Pose3) -> Result<(), LogError> {
+    let transform = robot::transform(time, "map", name, pose);
+    log.write("/tf", time, &TfMessage(vec![transform]))
+}
+
+fn write_camera_info(
+    log: &mut LogFile,
+    time: SimTime,
+    robot: &RobotDescription,
+) -> Result<(), LogError> {
+    let info = CameraInfo::new(time, CAMERA_OPTICAL, robot.camera_intrinsics);
+    log.write_lasting("/camera/camera_info", time, &info)
+}
+
+fn write_image(log: &mut LogFile, time: SimTime, image: &Image) -> Result<(), LogError> {
+    // Empty if JPEG cannot hold the image: an error would end the episode.
+    let jpeg = image_file::jpeg(image).unwrap_or_default();
+    let message = CompressedImage::jpeg(image.stamp, jpeg);
+    log.write("/camera/image/compressed", time, &message)
+}
+
+fn occupancy(header: Header, grid: &CostGrid) -> OccupancyGrid {
+    // A grid without columns has no cells.
+    let rows = grid.cells.len().checked_div(grid.width).unwrap_or_default();
+    OccupancyGrid {
+        header,
+        resolution: grid.cell_m as f32,
+        width: grid.width as u32,
+        height: rows as u32,
+        origin: Pose2::new(grid.origin.x, grid.origin.y, 0.0).into(),
+        data: grid.cells.clone(),
     }
 }
 
@@ -398,8 +506,8 @@ mod tests {
         let mut simulator = prepared.simulator(1).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.mcap");
-        let georeference = prepared.world.georeference;
-        let mut recorder = Recorder::create(&path, level, georeference).unwrap();
+        let mut recorder = Recorder::create(&path, level, &prepared).unwrap();
+        recorder.begin(&simulator).unwrap();
         for _ in 0..40 {
             simulator.step(Velocity::ZERO);
             recorder.step(&simulator, Velocity::ZERO).unwrap();
@@ -420,7 +528,18 @@ mod tests {
     #[test]
     fn a_thin_log_has_poses_events_and_every_fifth_scan() {
         let counts = recorded(Level::Thin);
-        assert_eq!(counts["/ground_truth/odom"], 40);
+        for topic in ["/ground_truth/odom", "/clock", "/tf", "/cmd_vel"] {
+            assert_eq!(counts[topic], 41, "{topic}");
+        }
+        for topic in [
+            "/tf_static",
+            "/robot_description",
+            "/camera/camera_info",
+            "/map/markers",
+            "/ground_truth/doors",
+        ] {
+            assert_eq!(counts[topic], 1, "{topic}");
+        }
         assert_eq!(counts["/note"], 1);
         assert_eq!(counts["/livox/lidar"], 4);
         assert!(!counts.contains_key("/livox/imu"), "{counts:?}");
