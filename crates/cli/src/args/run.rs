@@ -55,8 +55,8 @@ pub struct RunArgs {
         long,
         value_name = "DIR",
         conflicts_with_all = [
-            "suite", "agent", "seed", "seeds", "out", "settings", "record", "pedestrians", "cars", "memory",
-            "world", "discard"
+            "suite", "agent", "seed", "seeds", "out", "settings", "record", "pedestrians", "cars",
+            "memory", "world", "discard"
         ]
     )]
     pub resume: Option<PathBuf>,
