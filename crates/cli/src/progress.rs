@@ -96,6 +96,30 @@ pub fn download_spinner(what: &str) -> ProgressBar {
         .with_style(style)
 }
 
+/// Says what is being done for long: with the time that has passed to whoever watches, in a line to
+/// a file.
+pub fn doing_for_long<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    if !std::io::stderr().is_terminal() {
+        tell(what);
+        return work();
+    }
+    let style = ProgressStyle::with_template("{spinner} {msg}  {elapsed}");
+    let spinner = ProgressBar::new_spinner().with_message(what.to_owned());
+    let spinner = spinner.with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    let done = work();
+    spinner.finish_and_clear();
+    done
+}
+
+/// Tells a file how much is done, at each tenth of it.
+pub fn tell_tenths(done: usize, all: usize, what: &str) {
+    let tenths = |done: usize| 10 * done / all.max(1);
+    if tenths(done) > tenths(done.saturating_sub(1)) {
+        tell(&format!("{done} of {all} {what}"));
+    }
+}
+
 /// Says what is being done, until it is done, without knowing how long that takes.
 pub fn doing<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
     if !std::io::stderr().is_terminal() {

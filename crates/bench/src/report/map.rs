@@ -15,7 +15,7 @@ const MARGIN_M: f64 = 8.0;
 /// Minimum distance between two drawn points of a path.
 const MIN_SPACING_PX: f64 = 0.7;
 
-/// Writes the map of an episode with its legend; nothing if world and episode are empty.
+/// Writes the map of an episode; nothing if world and episode are empty.
 pub fn render(out: &mut String, world: &WorldMap, episode: &EpisodeReport) {
     let Some(view) = View::around(world, episode) else {
         return;
@@ -35,9 +35,7 @@ pub fn render(out: &mut String, world: &WorldMap, episode: &EpisodeReport) {
     draw_marks(out, &view, episode);
     scale_bar(out, &view);
     north_arrow(out);
-    out.push_str("</svg>\n");
-    legend(out, episode);
-    out.push_str("</div>\n");
+    out.push_str("</svg>\n</div>\n");
 }
 
 /// The visible part of the world and its scale.
@@ -431,39 +429,49 @@ fn sign(class: &str, shape: &str) -> String {
     format!("<g class=\"{class}\" transform=\"translate(14 10)\">{shape}</g>")
 }
 
-/// Explains what the map has, and nothing else.
-fn legend(out: &mut String, episode: &EpisodeReport) {
-    let missed = episode.declared.iter().any(|d| !d.success);
-    let other = episode.true_doors.iter().any(|d| !d.wanted);
-    let wanted = episode.true_doors.iter().any(|d| d.wanted);
+/// Explains what the maps of the episodes have, and nothing else.
+pub fn legend(out: &mut String, episodes: &[EpisodeReport]) {
+    let any = |has: fn(&EpisodeReport) -> bool| episodes.iter().any(has);
     let entries = [
-        (!episode.driven.is_empty(), sign("start", START), "start"),
-        (!episode.driven.is_empty(), line("driven"), "driven"),
+        (any(|e| !e.driven.is_empty()), sign("start", START), "start"),
+        (any(|e| !e.driven.is_empty()), line("driven"), "driven"),
         (
-            !episode.estimated.is_empty(),
+            any(|e| !e.estimated.is_empty()),
             line("estimated"),
             "estimated by the agent",
         ),
-        (!episode.routes.is_empty(), line("route"), "planned route"),
-        (wanted, sign("door wanted", WANTED), "door to deliver to"),
-        (other, sign("door", DOOR), "other door"),
         (
-            !episode.found_doors.is_empty(),
+            any(|e| !e.routes.is_empty()),
+            line("route"),
+            "planned route",
+        ),
+        (
+            any(|e| e.true_doors.iter().any(|d| d.wanted)),
+            sign("door wanted", WANTED),
+            "door to deliver to",
+        ),
+        (
+            any(|e| e.true_doors.iter().any(|d| !d.wanted)),
+            sign("door", DOOR),
+            "other door",
+        ),
+        (
+            any(|e| !e.found_doors.is_empty()),
             sign("found", FOUND),
             "door written by the agent",
         ),
         (
-            episode.declared.iter().any(|d| d.success),
+            any(|e| e.declared.iter().any(|d| d.success)),
             sign("declared", DECLARED),
             "delivered",
         ),
         (
-            missed,
+            any(|e| e.declared.iter().any(|d| !d.success)),
             sign("declared missed", DECLARED),
             "declared at the wrong place",
         ),
         (
-            !episode.collisions.is_empty(),
+            any(|e| !e.collisions.is_empty()),
             sign("collision", COLLISION),
             "collision",
         ),

@@ -8,6 +8,7 @@
 //! | `html` | escaping and formatting of numbers |
 //! | `headline` | the headline metrics by both criteria |
 //! | `tiles` | these with their intervals, side by side |
+//! | `reference` | what others achieve in the same suite |
 //! | `table` | one row per delivery |
 //! | `map` | the map of an episode, as SVG |
 //! | `drift` | the localization error over time |
@@ -23,6 +24,7 @@ mod headline;
 mod html;
 mod input;
 mod map;
+mod reference;
 mod table;
 mod terminal;
 mod tiles;
@@ -59,13 +61,32 @@ pub fn render(input: &ReportInput<'_>) -> String {
     tiles::render(&mut out, results);
     table::render(&mut out, results);
     out.push_str("<section>\n<h2>Episodes</h2>\n");
-    for episode in &input.episodes {
+    if input
+        .episodes
+        .iter()
+        .any(|e| has_failed(results, e.episode))
+    {
+        out.push_str("<p class=\"note\">Those with failures come first.</p>\n");
+    }
+    map::legend(&mut out, &input.episodes);
+    let mut episodes: Vec<&EpisodeReport> = input.episodes.iter().collect();
+    // Stable: otherwise in the order of the suite.
+    episodes.sort_by_key(|e| !has_failed(results, e.episode));
+    for episode in episodes {
         render_episode(&mut out, input, episode);
     }
     out.push_str("</section>\n");
     reproduction(&mut out, input);
     out.push_str("</main>\n</body>\n</html>\n");
     out
+}
+
+/// Whether a delivery of an episode failed by the strict criterion.
+fn has_failed(results: &Results, episode: usize) -> bool {
+    let deliveries = &results.deliveries;
+    deliveries
+        .iter()
+        .any(|d| d.episode == episode && !d.success_2m)
 }
 
 fn header(out: &mut String, input: &ReportInput<'_>) {

@@ -10,11 +10,23 @@ pub fn render(out: &mut String, results: &Results) {
     if results.deliveries.is_empty() {
         return;
     }
-    out.push_str(HEAD);
-    for delivery in &results.deliveries {
-        row(out, delivery);
+    let asks_models = results.models.is_some();
+    head(out, asks_models);
+    let mut deliveries: Vec<&DeliveryResult> = results.deliveries.iter().collect();
+    // Failures first. Stable: otherwise in the order in which they ended.
+    deliveries.sort_by_key(|delivery| delivery.success_2m);
+    for delivery in deliveries {
+        row(out, delivery, asks_models);
     }
     out.push_str("</tbody>\n</table>\n</div>\n</section>\n");
+}
+
+fn head(out: &mut String, asks_models: bool) {
+    out.push_str(HEAD);
+    if asks_models {
+        out.push_str("<th class=\"n\">Models<small>asked</small></th>");
+    }
+    out.push_str("<th>Failure</th></tr>\n</thead>\n<tbody>\n");
 }
 
 const HEAD: &str = "<section>\n<h2>Deliveries</h2>\n<div class=\"scroll\">\n<table>\n<thead>\n\
@@ -22,10 +34,9 @@ const HEAD: &str = "<section>\n<h2>Deliveries</h2>\n<div class=\"scroll\">\n<tab
     <th class=\"c\">Unit</th><th class=\"n\">To door<small>m</small></th>\
     <th class=\"n\">Driven<small>m</small></th><th class=\"n\">Shortest<small>m</small></th>\
     <th class=\"n\">Time<small>s</small></th><th class=\"n\">Pose error<small>m</small></th>\
-    <th class=\"n\">Plates<small>read</small></th><th class=\"n\">Collisions</th>\
-    <th>Failure</th></tr>\n</thead>\n<tbody>\n";
+    <th class=\"n\">Plates<small>read</small></th><th class=\"n\">Collisions</th>";
 
-fn row(out: &mut String, d: &DeliveryResult) {
+fn row(out: &mut String, d: &DeliveryResult, asks_models: bool) {
     let _ = write!(
         out,
         "<tr><td><a href=\"#episode-{0}\">{0}</a><span class=\"task\">.{1}</span></td>\
@@ -49,12 +60,21 @@ fn row(out: &mut String, d: &DeliveryResult) {
         let _ = write!(out, "<td class=\"n\">{value}</td>");
     }
     let class = if d.collisions > 0 { "n bad" } else { "n" };
-    let _ = writeln!(
-        out,
-        "<td class=\"{class}\">{}</td><td class=\"cause\">{}</td></tr>",
-        d.collisions,
-        failure(d)
-    );
+    let _ = write!(out, "<td class=\"{class}\">{}</td>", d.collisions);
+    if asks_models {
+        models(out, d);
+    }
+    let _ = writeln!(out, "<td class=\"cause\">{}</td></tr>", failure(d));
+}
+
+/// How often models were asked, and how often in vain.
+fn models(out: &mut String, d: &DeliveryResult) {
+    let _ = write!(out, "<td class=\"n\">{}", d.model_calls);
+    if d.model_calls_failed > 0 {
+        let failed = d.model_calls_failed;
+        let _ = write!(out, "<br><span class=\"bad\">{failed} in vain</span>");
+    }
+    out.push_str("</td>");
 }
 
 fn verdict(success: bool) -> &'static str {

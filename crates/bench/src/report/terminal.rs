@@ -2,14 +2,16 @@
 
 use std::fmt::Write;
 
-use openbench_core::Health;
+use openbench_core::{Health, PlanPart};
 
 use super::headline::{self, Headline};
 use super::html::{number, percent};
 use crate::plural::{count, plural};
 use crate::score::departures::departures;
-use crate::score::results::{DeliveryResult, Metrics, Results};
+use crate::score::results::{DeliveryResult, EpisodeResult, Metrics, Results};
 
+/// Width of a line, columns of the terminal.
+const LINE_COLUMNS: usize = 100;
 /// Width of the address, columns of the terminal.
 const ADDRESS_COLUMNS: usize = 19;
 /// Width of the failure cause, columns of the terminal.
@@ -30,6 +32,15 @@ pub fn terminal_table(results: &Results) -> String {
     out += &heading();
     for delivery in &results.deliveries {
         row(&mut out, delivery);
+        models(&mut out, delivery);
+        // Fallbacks are for a whole plan, which the first delivery stands for.
+        let episode = results
+            .episodes
+            .iter()
+            .find(|e| e.episode == delivery.episode);
+        if let Some(episode) = episode.filter(|_| delivery.task == 0) {
+            fallbacks(&mut out, episode);
+        }
     }
     out.push('\n');
     summary(&mut out, &results.metrics);
@@ -91,6 +102,30 @@ fn row(out: &mut String, d: &DeliveryResult) {
         pad(&failure, FAILURE_COLUMNS),
     );
     let _ = writeln!(out, "{}", line.trim_end());
+}
+
+/// How often models were asked during a delivery; nothing if none was.
+fn models(out: &mut String, d: &DeliveryResult) {
+    if d.model_calls > 0 {
+        let asked = count(d.model_calls as usize, "question", "questions");
+        let failed = d.model_calls_failed;
+        let _ = writeln!(out, "       {asked} to models, {failed} without an answer");
+    }
+}
+
+/// The parts of a plan that another planner made.
+fn fallbacks(out: &mut String, episode: &EpisodeResult) {
+    for fallback in &episode.fallbacks {
+        let part = match fallback.part {
+            PlanPart::Addresses => "doors",
+            PlanPart::Order => "order",
+        };
+        let line = format!(
+            "       {part} by the planner {}: {}",
+            fallback.from, fallback.because
+        );
+        let _ = writeln!(out, "{}", pad(&line, LINE_COLUMNS).trim_end());
+    }
 }
 
 /// A rate in percent with its interval, or a dash.

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::headline::{self, Headline};
 use super::html::{escape, number, percent};
+use super::reference;
 use crate::score::results::{Metrics, Results};
 
 /// Writes the metrics of both criteria as rows of tiles, then the other figures.
@@ -26,6 +27,7 @@ pub fn render(out: &mut String, results: &Results) {
     );
     out.push_str("</div>\n");
     facts(out, results);
+    reference::render(out, results);
     out.push_str("</section>\n");
 }
 

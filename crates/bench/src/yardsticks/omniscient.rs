@@ -1,21 +1,24 @@
 //! What a robot could achieve that knows all but the future.
 
+use nalgebra::{Point3, Vector3};
 use openbench_core::{
-    Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, LidarScan, Observation, Pose2,
+    Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, Observation, Pose2,
     RobotDescription, SimTime, Velocity,
 };
-use openbench_scene::FreeSpace;
+use openbench_scene::bvh::{LANES, MISS};
+use openbench_scene::{FreeSpace, RayPacket};
+use openbench_sim::Stage;
 
 use super::errands::{Errands, Stop, give_up};
 use super::following::Follower;
-use crate::run::truth::{Truth, TruthHandle};
+use crate::run::truth::{Instant, Truth, TruthHandle};
 
 /// A robot whose middle is off free ground by at most this much is taken to be on it, metres.
 const OFF_GROUND_M: f64 = 1.0;
 /// Distance in front of the robot's middle that must be free of people and cars, metres.
-const AHEAD_M: f64 = 1.2;
-/// Heights above the LiDAR's ground at which a point is part of somebody, metres.
-const BODY_M: [f64; 2] = [0.1, 2.0];
+const AHEAD_M: f32 = 1.2;
+/// Heights at which somebody is looked for, metres.
+const HEIGHTS_M: [f64; 2] = [0.3, 0.9];
 
 /// Follows the shortest path to the nearest door of its instruction, declares the delivery there,
 /// and goes on to the next one. It waits for people and cars in front of it, and does not evade
@@ -23,10 +26,10 @@ const BODY_M: [f64; 2] = [0.1, 2.0];
 pub(super) struct Omniscient {
     handle: TruthHandle,
     free_space: FreeSpace,
+    stage: Stage,
     robot: RobotDescription,
     errands: Errands,
     leg: Option<Leg>,
-    is_blocked: bool,
 }
 
 /// The way to a door.
@@ -41,10 +44,10 @@ impl Omniscient {
         Self {
             handle: truth.handle.clone(),
             free_space: truth.prepared.free_space.clone(),
+            stage: truth.prepared.stage.clone(),
             robot: truth.prepared.robot.clone(),
             errands: Errands::of(truth),
             leg: None,
-            is_blocked: false,
         }
     }
 
@@ -74,19 +77,32 @@ impl Omniscient {
     }
 
     /// Whether somebody stands or moves in front of the robot.
-    fn sees_somebody(&self, scan: &LidarScan, time: SimTime) -> bool {
-        let pose = self.handle.pose_at(time);
-        let lidar = pose.to_pose3(0.0) * self.robot.lidar;
+    fn sees_somebody(&self, time: SimTime) -> bool {
+        let instant = self.handle.instant(time).unwrap_or_default();
+        if instant.movers.is_empty() {
+            return false;
+        }
+        let rays = self.rays_ahead(&instant);
+        let snapshot = self.stage.snapshot(&instant.movers);
+        let hits = snapshot.cast_packet(&rays, &[0.0; LANES]);
+        hits.mover.iter().any(|mover| *mover != MISS)
+    }
+
+    /// Rays straight ahead over the width of the robot, at the heights of knees and chests.
+    fn rays_ahead(&self, instant: &Instant) -> RayPacket {
+        let base = instant.base_link;
+        let ahead = (base.rotation * Vector3::x()).cast::<f32>();
         let half_width = self.robot.circumscribed_radius();
-        scan.points.iter().any(|point| {
-            let at = lidar * nalgebra::Point3::from(point.xyz.map(f64::from));
-            let ahead = pose.to_pose3(0.0).inverse() * at;
-            (BODY_M[0]..BODY_M[1]).contains(&ahead.z)
-                && (0.0..AHEAD_M).contains(&ahead.x)
-                && ahead.y.abs() < half_width
-                // Walls and trees are never on ground where the robot fits.
-                && self.free_space.is_reachable(openbench_core::MapPoint::new(at.x, at.y))
-        })
+        let columns = LANES / HEIGHTS_M.len();
+        let mut rays = RayPacket::idle();
+        for lane in 0..LANES {
+            let across = (lane % columns) as f64 / (columns - 1) as f64;
+            let side = half_width * (2.0 * across - 1.0);
+            let from = base * Point3::new(0.0, side, HEIGHTS_M[lane / columns]);
+            let from = from.cast::<f32>();
+            rays.set(lane, from.into(), ahead.into(), AHEAD_M);
+        }
+        rays
     }
 }
 
@@ -97,9 +113,7 @@ impl Agent for Omniscient {
 
     fn act(&mut self, observation: &Observation<'_>, _: &mut dyn Events) -> Action {
         let pose = self.handle.pose_at(observation.time);
-        if let Some(scan) = observation.scan {
-            self.is_blocked = self.sees_somebody(scan, observation.time);
-        }
+        let is_blocked = self.sees_somebody(observation.time);
         if self.leg.is_none()
             && let Some(action) = self.set_out(pose)
         {
@@ -109,9 +123,7 @@ impl Agent for Omniscient {
             return Action::Drive(Velocity::ZERO);
         };
         match leg.follower.velocity(pose, &self.robot) {
-            Some(velocity) if self.is_blocked => {
-                Action::Drive(Velocity::new(0.0, velocity.angular))
-            }
+            Some(velocity) if is_blocked => Action::Drive(Velocity::new(0.0, velocity.angular)),
             Some(velocity) => Action::Drive(velocity),
             None => {
                 let address = leg.address.clone();

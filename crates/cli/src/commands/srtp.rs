@@ -10,7 +10,7 @@ use openbench_trials::instructions::{Difficulty, Split, built_in, read};
 use crate::args::{DifficultyArg, SplitArg, SrtpArgs};
 use crate::commands::{read_map, unbounded_models};
 use crate::outcome::{Outcome, say, say_json};
-use crate::progress::progress_bar;
+use crate::progress::{progress_bar, tell_tenths};
 
 /// What the paper's table has: a model, and its SRTP over 60 runs.
 const PAPER: [(&str, f64); 6] = [
@@ -54,7 +54,14 @@ pub fn run(args: &SrtpArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     }
     let map = args.map.as_deref().map(read_map).transpose()?;
     let bar = progress_bar(cases.len(), "instructions");
-    let mut scores = score(planner.as_ref(), &cases, map.as_ref(), || bar.inc(1));
+    let mut scores = score(planner.as_ref(), &cases, map.as_ref(), || {
+        bar.inc(1);
+        // A hidden bar: nobody watches a terminal. Without a model it is done at once.
+        if bar.is_hidden() && models.meter().spent().calls > 0 {
+            // A hidden bar counts all the same.
+            tell_tenths(bar.position() as usize, cases.len(), "instructions");
+        }
+    });
     // A planner that asks no model leaves the use of models out.
     scores.models = Some(models.meter().spent()).filter(|used| used.calls > 0);
     bar.finish_and_clear();

@@ -10,6 +10,7 @@ use openbench_osm::default_georeference;
 use crate::args::{DrawArgs, GenerateArgs, ImportArgs, WorldArgs, WorldCommand};
 use crate::commands::{read_data, read_part, show::show};
 use crate::outcome::{Outcome, say, tell};
+use crate::progress::doing_for_long;
 
 /// Does what is asked with worlds.
 pub fn run(args: &WorldArgs) -> anyhow::Result<Outcome> {
@@ -39,12 +40,10 @@ fn generate(args: &GenerateArgs) -> anyhow::Result<Outcome> {
             "Map `{source}`: © OpenStreetMap contributors, ODbL 1.0, where it comes from there"
         )],
     };
-    let written = write(
-        &args.out,
-        &recipe,
-        &map,
-        draw_request(&args.drawn, args.seed),
-    );
+    let request = draw_request(&args.drawn, args.seed);
+    let written = doing_for_long(&format!("generating a world from {file}"), || {
+        write(&args.out, &recipe, &map, request)
+    });
     report(&written.with_context(|| file.to_string())?, &args.out)
 }
 

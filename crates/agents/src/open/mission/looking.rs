@@ -191,7 +191,7 @@ impl Mission {
     }
 
     /// Adds waypoints for plates of the building that were seen but not read, once each.
-    fn look_closer(&mut self, task: &mut Task, unread: &[Location]) {
+    pub(super) fn look_closer(&mut self, task: &mut Task, unread: &[Location]) {
         for &Location {
             position: plate,
             facing,

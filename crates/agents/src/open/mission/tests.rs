@@ -1,0 +1,299 @@
+//! A mission in a plain with one house, step by step, with parts that do as the tests say.
+
+use std::sync::{Arc, Mutex};
+
+use openbench_core::{Camera, Discard, Georeference, Health, Image, LonLat, Plan, Pose2, Step};
+use openbench_models::{ChatError, Meter};
+use openbench_motion::costmap::Preferences;
+use openbench_motion::follower;
+use openbench_vision::PlateReading;
+
+use super::*;
+
+/// One house of some 6 m x 6 m.
+const MAP: &str = r#"<osm version="0.6">
+  <node id="1" lat="50.0" lon="8.0"/><node id="2" lat="50.0" lon="8.00008"/>
+  <node id="3" lat="50.00005" lon="8.00008"/><node id="4" lat="50.00005" lon="8.0"/>
+  <way id="5"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
+    <tag k="building" v="yes"/><tag k="name" v="building1"/></way></osm>"#;
+
+fn house() -> OsmMap {
+    let data = OsmData::from_bytes(MAP.as_bytes()).unwrap();
+    let georeference = Georeference::tangent_plane(LonLat::new(8.0, 50.0));
+    OsmMap::new(&data, georeference)
+}
+
+#[test]
+fn a_mapped_door_hangs_on_the_nearest_wall_and_faces_away_from_it() {
+    let address = Address::new("building1", "unit1");
+    let south = MapPoint::new(3.0, -0.4);
+    let door = mapped_door(&house(), 0, &address, south);
+    assert!(door.position.distance(MapPoint::new(3.0, 0.0)) < 0.01);
+    assert!((door.facing + std::f64::consts::FRAC_PI_2).abs() < 0.01);
+    assert_eq!((door.unit.as_str(), door.confidence), ("unit1", 1.0));
+}
+
+#[test]
+fn a_planner_that_does_not_answer_is_not_the_instructions_fault() {
+    let unclear = PlanError::NotUnderstood {
+        instruction: "Hello".into(),
+        hint: "name a building".into(),
+    };
+    assert_eq!(cause_of(&unclear), FailureCause::NotUnderstood);
+    let silent = PlanError::ModelUnavailable {
+        model: "m".into(),
+        source: ChatError::Timeout {
+            endpoint: "e".into(),
+            seconds: 1,
+        },
+    };
+    assert_eq!(cause_of(&silent), FailureCause::PlannerUnavailable);
+}
+
+/// Plans these doors, whatever the instruction says.
+struct Planned(Vec<Address>);
+
+impl Planner for Planned {
+    fn name(&self) -> &str {
+        "planned"
+    }
+
+    fn plan(&self, _: &PlanRequest<'_>) -> Result<Plan, PlanError> {
+        let delivery = |(instruction_index, address): (usize, &Address)| PlannedDelivery {
+            instruction_index,
+            item: "box".into(),
+            building: address.building.clone(),
+            unit: address.unit.clone(),
+            levels: Vec::new(),
+            steps: Vec::<Step>::new(),
+            confidence: 1.0,
+            problem: None,
+            deadline: None,
+        };
+        Ok(Plan {
+            planner: "planned".into(),
+            deliveries: self.0.iter().enumerate().map(delivery).collect(),
+            fallbacks: Vec::new(),
+        })
+    }
+}
+
+/// A reader without eyes.
+struct Blind;
+
+impl PlateReader for Blind {
+    fn name(&self) -> &str {
+        "blind"
+    }
+
+    fn read(&mut self, _: &Image) -> Result<Vec<PlateReading>, ReaderError> {
+        Err(ReaderError::Chat(ChatError::Timeout {
+            endpoint: "e".into(),
+            seconds: 1,
+        }))
+    }
+}
+
+/// Stands at the start, in the health that a test gives it.
+struct Standing {
+    start: Pose2,
+    health: Arc<Mutex<Health>>,
+}
+
+impl Localizer for Standing {
+    fn name(&self) -> &str {
+        "standing"
+    }
+
+    fn reset(&mut self, start: Pose2) {
+        self.start = start;
+    }
+
+    fn update(&mut self, _: &Observation<'_>) {}
+
+    fn pose_at(&self, _: SimTime) -> Pose2 {
+        self.start
+    }
+
+    fn pose(&self) -> Pose2 {
+        self.start
+    }
+
+    fn ready(&self) -> bool {
+        true
+    }
+
+    fn health(&self) -> Health {
+        *self.health.lock().unwrap()
+    }
+}
+
+/// A camera that has an image, or none yet.
+struct Shutter(bool);
+
+impl Camera for Shutter {
+    fn image(&self) -> Option<Arc<Image>> {
+        let image = Image {
+            stamp: SimTime::ZERO,
+            width: 1,
+            height: 1,
+            rgb: vec![0; 3],
+        };
+        self.0.then(|| Arc::new(image))
+    }
+}
+
+/// A mission to these doors, 8 m west of the house, and the health of its localizer.
+fn mission(doors: &[Address]) -> (Mission, Arc<Mutex<Health>>) {
+    let health = Arc::new(Mutex::new(Health::Good));
+    let shared = health.clone();
+    let parts = Parts {
+        planner: Box::new(Planned(doors.to_vec())),
+        reader: Box::new(Blind),
+        localizer: Box::new(move |_| {
+            Box::new(Standing {
+                start: Pose2::default(),
+                health: shared.clone(),
+            })
+        }),
+        motion: follower::entry(),
+        ground: Preferences::NONE,
+        memory: None,
+        meter: Meter::default(),
+        thinks_in_simulated_time: false,
+    };
+    let briefing = Briefing {
+        map_osm: MAP.as_bytes().to_vec(),
+        georeference: Georeference::tangent_plane(LonLat::new(8.0, 50.0)),
+        goal: Goal::Instruction("as planned".into()),
+        start: Pose2::new(-8.0, 3.0, 0.0),
+        robot: RobotDescription::sentry(),
+        time_limit: Duration::from_secs(1200),
+    };
+    let mission = Mission::begin(parts, &briefing, &mut Discard).unwrap();
+    (mission, health)
+}
+
+/// What a robot that stands without a scan observes.
+fn observation(milliseconds: u64, camera: &Shutter) -> Observation<'_> {
+    Observation {
+        time: SimTime::from_millis(milliseconds),
+        imu: &[],
+        wheels: &[],
+        scan: None,
+        gnss: None,
+        camera,
+    }
+}
+
+fn act(mission: &mut Mission, milliseconds: u64, camera: &Shutter) -> Action {
+    mission.act(&observation(milliseconds, camera), &mut Discard)
+}
+
+fn given_up(action: Action) -> GiveUp {
+    match action {
+        Action::GiveUp(give_up) => give_up,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn door(unit: &str, confidence: f32) -> Sighting {
+    Sighting {
+        unit: unit.into(),
+        building: 0,
+        position: MapPoint::new(0.0, 3.0),
+        facing: std::f64::consts::PI,
+        confidence,
+    }
+}
+
+#[test]
+fn a_building_that_the_map_lacks_ends_its_own_delivery_only() {
+    let (missing, there) = (
+        Address::new("building9", "unit1"),
+        Address::new("building1", "unit1"),
+    );
+    let (mut mission, _) = mission(&[missing.clone(), there]);
+    let first = given_up(act(&mut mission, 50, &Shutter(true)));
+    assert_eq!(first.address, Some(missing));
+    assert_eq!(first.cause, FailureCause::UnknownAddress);
+    // The next delivery begins.
+    assert!(matches!(
+        act(&mut mission, 100, &Shutter(true)),
+        Action::Drive(_)
+    ));
+    assert!(mission.task.is_some());
+}
+
+#[test]
+fn a_mission_without_deliveries_left_gives_up_what_it_did_not_plan() {
+    let (mut mission, _) = mission(&[]);
+    let all = given_up(act(&mut mission, 50, &Shutter(true)));
+    assert_eq!((all.address, all.cause), (None, FailureCause::NotDeclared));
+}
+
+#[test]
+fn a_lost_robot_stands_and_then_gives_up_everything() {
+    let (mut mission, health) = mission(&[Address::new("building1", "unit1")]);
+    *health.lock().unwrap() = Health::Lost;
+    for seconds in 0..15 {
+        let action = act(&mut mission, 1000 * seconds, &Shutter(true));
+        assert_eq!(action, Action::Drive(Velocity::ZERO), "{seconds} s");
+    }
+    let all = given_up(act(&mut mission, 15_000, &Shutter(true)));
+    assert_eq!((all.address, all.cause), (None, FailureCause::Lost));
+}
+
+/// A mission that stands at a waypoint since the time zero.
+fn looking() -> Mission {
+    let address = Address::new("building1", "unit1");
+    let (mut mission, _) = mission(std::slice::from_ref(&address));
+    let mut task = Task::new(address, 0, None);
+    task.stage = Stage::Look(SimTime::ZERO);
+    mission.task = Some(task);
+    mission
+}
+
+#[test]
+fn an_image_is_taken_when_the_robot_stands_still_and_the_camera_has_one() {
+    let mut mission = looking();
+    let stands = Action::Drive(Velocity::ZERO);
+    // Too early, and then without an image: neither asks the reader, which would fail.
+    assert_eq!(act(&mut mission, 200, &Shutter(true)), stands);
+    assert_eq!(act(&mut mission, 900, &Shutter(false)), stands);
+    let failed = given_up(act(&mut mission, 950, &Shutter(true)));
+    assert_eq!(failed.cause, FailureCause::ReaderUnavailable);
+    assert_eq!(failed.address, Some(Address::new("building1", "unit1")));
+}
+
+#[test]
+fn an_unreadable_plate_of_the_building_is_looked_at_again_once() {
+    let mut mission = looking();
+    let mut task = mission.task.take().unwrap();
+    let plate = |x: f64| crate::open::sighting::Location {
+        position: MapPoint::new(x, 3.0),
+        facing: std::f64::consts::PI,
+    };
+    // One on the wall, and one on something far from it.
+    mission.look_closer(&mut task, &[plate(0.0), plate(-30.0)]);
+    let views = task.waypoints.len();
+    assert!(views > 0);
+    mission.look_closer(&mut task, &[plate(0.1)]);
+    assert_eq!(task.waypoints.len(), views);
+}
+
+#[test]
+fn only_a_door_that_is_sure_enough_is_remembered() {
+    let mut mission = looking();
+    let address = Address::new("building1", "unit1");
+    mission.seen.push(door("unit1", 0.3));
+    assert_eq!(mission.remembered(0, &address), None);
+    mission.seen.push(door("unit1", 0.9));
+    assert_eq!(mission.remembered(0, &address), Some(door("unit1", 0.9)));
+    // As much evidence for another number takes the trust away.
+    mission
+        .seen
+        .extend([door("unit7", 0.9), door("unit7", 0.9)]);
+    assert_eq!(mission.remembered(0, &address), None);
+    assert_eq!(mission.remembered(1, &address), None, "another building");
+}
