@@ -46,7 +46,7 @@ impl Random {
     fn turn_elsewhere(&mut self, now: SimTime) {
         let linear = self.between(0.0, self.robot.max_forward);
         // Half of the time straight ahead, since one who keeps turning gets nowhere.
-        let is_straight = self.random.next_u32() % 2 == 0;
+        let is_straight = self.random.next_u32().is_multiple_of(2);
         let turn = self.between(-self.robot.max_turn, self.robot.max_turn);
         self.velocity = Velocity::new(linear, if is_straight { 0.0 } else { turn });
         let kept = self.between(LEG_S[0], LEG_S[1]);
