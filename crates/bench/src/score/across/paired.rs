@@ -2,6 +2,8 @@
 
 use crate::score::statistics::{MIN_EPISODES, resampled_means, wilson_interval};
 
+/// Above this sum of differences, the normal distribution is exact enough, and much faster.
+const EXACT_UP_TO: usize = 5000;
 /// 97.5 % quantile of the standard normal distribution: tests at 5 %, two-sided.
 const Z_LEVEL: f64 = 1.959_963_984_540_054;
 /// 80 % quantile of the standard normal distribution: the usual power.
@@ -46,7 +48,7 @@ pub fn interval_of_share_difference(clusters: &[Vec<f64>], seed: u64) -> Option<
 ///
 /// `differences` has a number for each cluster: in how many pairs the second system alone
 /// succeeded, less those in which the first alone did. With one pair in each cluster, this is
-/// McNemar's test.
+/// McNemar's test. Above 5000 pairs of different outcome the normal approximation is used.
 ///
 /// ```
 /// use openbench_bench::score::across::paired::mcnemar;
@@ -60,6 +62,10 @@ pub fn mcnemar(differences: &[i64]) -> f64 {
     let sizes = differences.iter().map(|d| d.unsigned_abs() as usize);
     let reach: usize = sizes.clone().sum();
     let observed = differences.iter().sum::<i64>().unsigned_abs() as usize;
+    if reach > EXACT_UP_TO {
+        let squares: f64 = sizes.map(|size| (size * size) as f64).sum();
+        return libm::erfc(observed as f64 / libm::sqrt(2.0 * squares));
+    }
     // The probability of each sum of flipped differences, from -reach to reach.
     let mut chances = vec![0.0; 2 * reach + 1];
     chances[reach] = 1.0;
@@ -160,6 +166,21 @@ mod tests {
         assert_eq!(mcnemar(&[10, 10]), mcnemar(&[1, 1]));
         // 2 of the 8 signs of 3, 2 and 1 reach 6.
         assert_eq!(mcnemar(&[3, 2, 1]), 0.25);
+    }
+
+    #[test]
+    fn many_pairs_are_tested_by_the_normal_distribution() {
+        // The exact test of so many, just below the limit, is close to the approximation above.
+        let differences = |second: usize| {
+            let mut all = vec![-1; 2400];
+            all.extend(vec![1; second]);
+            all
+        };
+        let (exact, normal) = (mcnemar(&differences(2500)), mcnemar(&differences(2601)));
+        assert!(exact > 0.15 && exact < 0.16, "{exact}");
+        assert!(normal > 0.004 && normal < 0.005, "{normal}");
+        let hostile = vec![1; 300_000];
+        assert_eq!(mcnemar(&hostile), 0.0);
     }
 
     #[test]
