@@ -4,7 +4,7 @@
     cargo build --release
     python3 benchmarks/reference/reference.py target/release/openbench FOLDER
 
-Runs that are in FOLDER already, from the same commit, are used again. Writes
+Runs that are in FOLDER already are used again, so begin with an empty one. Writes
 crates/bench/data/reference.json. A report shows the rows whose world and suite are its own.
 """
 
@@ -25,7 +25,7 @@ SHARES = [
 def results(openbench, folder, suite, agent):
     out = folder / f"{suite}-{agent}"
     if not (out / "results.json").exists():
-        words = [openbench, "run", suite, "--agent", agent, "--jobs", "2", "--record", "none"]
+        words = [openbench, "run", suite, "--agent", agent, "--jobs", "2", "--record", "none", "--discard"]
         subprocess.run([*words, "--out", out], check=True, stdout=subprocess.DEVNULL)
     return json.loads((out / "results.json").read_text())
 
@@ -38,10 +38,15 @@ def row(results):
         "suite_hash": provenance["hashes"]["suite"],
         "world_hash": provenance["hashes"]["world"],
         "agent": results["agent"],
-        "commit": provenance["build"]["commit"][:7],
+        "commit": short(provenance["build"]["commit"]),
         "collisions": results["metrics"]["collisions"],
         **shares,
     }
+
+
+def short(commit):
+    digits, edited, _ = commit.partition("-dirty")
+    return digits[:7] + edited
 
 
 def rounded(share):

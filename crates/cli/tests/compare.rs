@@ -45,6 +45,12 @@ fn the_means_over_seeds_are_written_and_seeds_that_are_done_are_kept() {
     assert!(again.stderr.contains("seed 4 is done already"));
     assert!(again.stderr.contains("seed 5 is done already"));
     assert!(!again.stderr.contains("seed 6 is done already"));
+    // What is done is kept, whatever was left of another seed.
+    let again = drive(
+        &place,
+        "--agent omniscient --seeds 4..4 --out runs --discard",
+    );
+    assert!(again.succeeded().stderr.contains("seed 4 is done already"));
     // Another agent in the same folder is another run.
     let other = drive(&place, "--agent straight-line --seeds 4..4 --out runs");
     assert!(!other.succeeded().stderr.contains("is done already"));
@@ -52,6 +58,13 @@ fn the_means_over_seeds_are_written_and_seeds_that_are_done_are_kept() {
         place.json("runs/seed-4/results.json")["agent"],
         "straight-line"
     );
+    place
+        .openbench("compare runs")
+        .refused_with(&["several agents or settings"]);
+    // A single run would be taken for all seeds.
+    drive(&place, "--agent omniscient --out single").succeeded();
+    drive(&place, "--agent omniscient --seeds 1..2 --out single")
+        .refused_with(&["single has a single run"]);
 }
 
 #[test]
@@ -64,7 +77,7 @@ fn systems_are_compared_and_what_they_were_told_is_said() {
     let ran = place.openbench("compare omniscient random");
     let text = &ran.succeeded().stdout;
     for part in [
-        "A  omniscient, 2 runs",
+        "A  omniscient: omniscient, 2 runs",
         "this run is a yardstick",
         "only A succeeded",
         "McNemar p =",

@@ -17,7 +17,8 @@ pub fn comparison_table(comparison: &Comparison) -> String {
     let mut out = String::new();
     for (number, system) in comparison.systems.iter().enumerate() {
         let runs = count(system.runs, "run", "runs");
-        let _ = writeln!(out, "{}  {}, {runs}", letter(number), system.name);
+        let agent = &system.agent;
+        let _ = writeln!(out, "{}  {}: {agent}, {runs}", letter(number), system.name);
         for departure in &system.departures {
             let _ = writeln!(out, "   {departure}");
         }
@@ -86,13 +87,14 @@ fn difference_line(row: &Row, other: usize) -> String {
 
 /// Difference, interval and number of pairs.
 fn described(difference: Difference, unit: Unit) -> (String, String, String) {
-    let scaled = |value: f64| value * scale(unit);
+    let decimals = decimals(unit);
+    let scaled = |value: f64| format!("{:+.decimals$}", value * scale(unit));
     let bounds = difference.interval.map_or_else(
         || "–".to_owned(),
-        |[low, high]| format!("[{:+.1}, {:+.1}]", scaled(low), scaled(high)),
+        |[low, high]| format!("[{}, {}]", scaled(low), scaled(high)),
     );
     (
-        format!("{:+.1}", scaled(difference.mean)),
+        scaled(difference.mean),
         bounds,
         difference.pairs.to_string(),
     )
@@ -142,7 +144,7 @@ fn to_tell(out: &mut String, comparison: &Comparison) {
     let _ = writeln!(
         out,
         "A difference of {:.1} points in sr_2m is found with 80 % probability in {} single \
-         deliveries,\nif {:.0} % of them end differently.",
+         deliveries\nof different episodes, if {:.0} % of them end differently.",
         100.0 * needed.difference,
         needed.pairs,
         100.0 * needed.disagreement
@@ -174,8 +176,8 @@ fn mean_line(mean: &Mean) -> String {
     let interval = mean.interval.map_or_else(
         || "–".to_owned(),
         |[low, high]| {
-            let scale = scale(mean.unit);
-            format!("[{:.1}, {:.1}]", low * scale, high * scale)
+            let (scale, decimals) = (scale(mean.unit), decimals(mean.unit));
+            format!("[{:.decimals$}, {:.decimals$}]", low * scale, high * scale)
         },
     );
     let runs = mean.runs.iter().take(RUNS_SHOWN);
@@ -197,6 +199,14 @@ fn shown(value: Option<f64>, unit: Unit) -> String {
         Unit::Share => format!("{:.1} %", 100.0 * value),
         Unit::Count => format!("{value:.2}"),
         Unit::Seconds => format!("{value:.1} s"),
+    }
+}
+
+/// Decimals of a number that is shown.
+fn decimals(unit: Unit) -> usize {
+    match unit {
+        Unit::Count => 2,
+        Unit::Share | Unit::Seconds => 1,
     }
 }
 

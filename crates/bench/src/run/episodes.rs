@@ -68,7 +68,11 @@ pub fn done_before(request: &RunRequest<'_>) -> Result<Option<Results>, BenchErr
     let Some(out) = request.out.filter(|out| out.join(RUN).exists()) else {
         return Ok(None);
     };
-    let (before, now) = (RunRecord::read(out)?, RunRecord::of(request)?);
+    // The record of another version, or a damaged one, is that of another run.
+    let Ok(before) = RunRecord::read(out) else {
+        return Ok(None);
+    };
+    let now = RunRecord::of(request)?;
     match before.difference(&now) {
         None => Ok(Some(Results::read(&out.join(RESULTS))?)),
         Some(_) => Ok(None),

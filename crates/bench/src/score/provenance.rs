@@ -56,6 +56,7 @@ pub struct Provenance {
     /// The model files that the agent used.
     pub models: Vec<ModelDigest>,
     /// Whether the agent, or a part of it, was told the truth about its episodes.
+    #[serde(default)]
     pub uses_truth: bool,
     /// Why `verify --agent` cannot make this run again; null if it can.
     pub cannot_repeat: Option<String>,

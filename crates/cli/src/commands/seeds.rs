@@ -21,6 +21,7 @@ pub fn drive_each(
     args: &RunArgs,
     stop: &StopSignal,
 ) -> anyhow::Result<Outcome> {
+    refuse_single_run(&args.out)?;
     let mut runs = Vec::new();
     for seed in seeds.clone() {
         let out = folder(&args.out, seed);
@@ -30,10 +31,11 @@ pub fn drive_each(
             unfinished: unfinished(&out, args)?,
             ..*request
         };
-        match one(request, args) {
+        match one(request) {
             Err(BenchError::Interrupted) => {
                 tell(&format!(
-                    "stopped; {} of {} seeds are finished; the same command continues",
+                    "stopped; {} of {} seeds are finished; the same command continues, \
+                     without --discard if it has that",
                     runs.len(),
                     seeds.clone().count()
                 ));
@@ -44,6 +46,17 @@ pub fn drive_each(
     }
     let name = args.out.display().to_string();
     finish(&means(&System { name, runs }, 0), args)
+}
+
+/// Refuses a folder with a single run, which would be taken for all the seeds.
+fn refuse_single_run(out: &Path) -> anyhow::Result<()> {
+    if out.join("results.json").exists() {
+        anyhow::bail!(
+            "{} has a single run; choose another folder for the seeds with --out",
+            out.display()
+        );
+    }
+    Ok(())
 }
 
 fn folder(out: &Path, seed: u64) -> PathBuf {
@@ -60,14 +73,9 @@ fn unfinished(out: &Path, args: &RunArgs) -> Result<Unfinished, BenchError> {
 }
 
 /// The results of one seed.
-fn one(request: RunRequest<'_>, args: &RunArgs) -> Result<Results, BenchError> {
+fn one(request: RunRequest<'_>) -> Result<Results, BenchError> {
     let seed = request.seed;
-    let done = if args.discard {
-        None
-    } else {
-        done_before(&request)?
-    };
-    if let Some(results) = done {
+    if let Some(results) = done_before(&request)? {
         tell(&format!("seed {seed} is done already"));
         return Ok(results);
     }

@@ -11,6 +11,7 @@ use super::paired::{
 };
 use super::samples::{ClusteredBy, Samples, Setup, clustered_by, clusters, mean, samples, setups};
 use super::system::System;
+use crate::score::Results;
 use crate::score::departures::departures;
 
 /// Seed of the bootstrap. Any will do; the same one gives the same intervals.
@@ -25,6 +26,22 @@ pub enum CompareError {
     NoRuns {
         /// The system.
         system: String,
+    },
+    /// The runs are of several agents, or of one with several settings.
+    #[error(
+        "{system}: its runs are of several agents or settings; name folders with the runs of one"
+    )]
+    Mixed {
+        /// The system.
+        system: String,
+    },
+    /// Results of an older version do not say in which world they were made.
+    #[error("{system}: its results of suite {suite} do not say in which world they were made")]
+    Unplaced {
+        /// The system.
+        system: String,
+        /// Name of the suite.
+        suite: String,
     },
     /// Two runs are of the same suite and seed.
     #[error("{system}: it has two runs of suite {suite} with seed {seed}; name one of them")]
@@ -73,6 +90,8 @@ pub struct Comparison {
 pub struct Compared {
     /// Its name.
     pub name: String,
+    /// Name of the agent.
+    pub agent: String,
     /// Number of its runs.
     pub runs: usize,
     /// In what they depart from the defaults, each once.
@@ -161,10 +180,24 @@ pub fn compare(systems: &[System], difference: f64) -> Result<Comparison, Compar
     })
 }
 
-/// Refuses a system without runs, or with two of the same.
+/// Refuses a system without runs, with two of the same, or with runs of several systems.
 fn check(system: &System) -> Result<(), CompareError> {
+    let is_other = |run: &&Results| {
+        let first = &system.runs[0];
+        (&run.agent, &run.settings, &run.memory) != (&first.agent, &first.settings, &first.memory)
+    };
+    if system.runs.iter().any(|run| is_other(&run)) {
+        let system = system.name.clone();
+        return Err(CompareError::Mixed { system });
+    }
     let mut seen = BTreeSet::new();
     for (setup, run) in setups(system).into_iter().zip(&system.runs) {
+        if setup.0.is_unknown() {
+            return Err(CompareError::Unplaced {
+                system: system.name.clone(),
+                suite: run.suite.clone(),
+            });
+        }
         if !seen.insert(setup) {
             return Err(CompareError::Twice {
                 system: system.name.clone(),
@@ -196,9 +229,21 @@ fn covers(first: &System, second: &System) -> Result<(), CompareError> {
 }
 
 fn compared(system: &System) -> Compared {
-    let all: BTreeSet<String> = system.runs.iter().flat_map(departures).collect();
+    let mut all: BTreeSet<String> = system.runs.iter().flat_map(departures).collect();
+    let commits: BTreeSet<&String> = system
+        .runs
+        .iter()
+        .map(|run| &run.provenance.build.commit)
+        .collect();
+    if commits.len() > 1 {
+        all.insert("its runs were made by programs of several commits".to_owned());
+    }
     Compared {
         name: system.name.clone(),
+        agent: system
+            .runs
+            .first()
+            .map_or(String::new(), |run| run.agent.clone()),
         runs: system.runs.len(),
         departures: all.into_iter().collect(),
     }
@@ -305,7 +350,7 @@ impl Comparison {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::score::Results;
+    use crate::score::results::EpisodeResult;
     use crate::score::results::tests::{delivery, results};
 
     /// A run of single deliveries with these successes.
@@ -317,7 +362,9 @@ mod tests {
         });
         let mut run = results(deliveries.collect());
         run.seed = seed;
-        run.provenance.hashes.world = world.into();
+        let hashes = &mut run.provenance.hashes;
+        hashes.world = world.into();
+        (hashes.suite, hashes.map) = ("suite".into(), "map".into());
         run
     }
 
@@ -358,6 +405,26 @@ mod tests {
     }
 
     #[test]
+    fn a_refused_instruction_is_not_understood() {
+        let episode = |number: usize, understood: Option<bool>| EpisodeResult {
+            episode: number,
+            sim_seconds: 1.0,
+            understood,
+            fallbacks: vec![],
+            localization: None,
+            health: vec![],
+        };
+        let planned = |plans: [Option<bool>; 2]| {
+            let mut run = run("w", 1, &[true, false]);
+            run.episodes = vec![episode(0, plans[0]), episode(1, plans[1])];
+            let compared = compare(&[system("a", vec![run])], 0.02).unwrap();
+            compared.by_name().get("srtp").map(|row| row.means[0])
+        };
+        assert_eq!(planned([Some(true), None]), Some(Some(0.5)));
+        assert_eq!(planned([None, None]), None, "it makes no plans");
+    }
+
+    #[test]
     fn seeds_of_an_episode_are_no_independent_pairs() {
         // One of six episodes differs, with each of five seeds.
         let other = [true, true, true, true, false, true];
@@ -395,6 +462,15 @@ mod tests {
         assert!(matches!(error, CompareError::Twice { .. }), "{error}");
         let error = compare(&[system("none", vec![])], 0.02).unwrap_err();
         assert!(matches!(error, CompareError::NoRuns { .. }), "{error}");
+        let mut other_agent = run("w", 2, &MIXED);
+        other_agent.agent = "another".into();
+        let mixed = system("mixed", vec![run("w", 1, &MIXED), other_agent]);
+        let error = compare(&[mixed], 0.02).unwrap_err();
+        assert!(matches!(error, CompareError::Mixed { .. }), "{error}");
+        let mut old = run("w", 1, &MIXED);
+        old.provenance.hashes = Default::default();
+        let error = compare(&[system("old", vec![old])], 0.02).unwrap_err();
+        assert!(matches!(error, CompareError::Unplaced { .. }), "{error}");
     }
 
     #[test]

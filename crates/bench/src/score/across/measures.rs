@@ -20,7 +20,8 @@ pub enum Unit {
     Seconds,
 }
 
-/// A measure, with the name that it has in `results.json`.
+/// A measure, with the name that it has in `results.json`; those of all deliveries, which are sums
+/// there, have names of their own.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Measure {
     /// Its name.
@@ -65,17 +66,17 @@ pub(super) const MEASURES: [Measure; 20] = [
     share("member_sr_clean", Of::Members(clean_success)),
     share("member_correct_unit", Of::Members(correct_unit)),
     Measure {
-        name: "collisions",
+        name: "delivery_collisions",
         unit: Unit::Count,
         of: Of::Deliveries(collisions),
     },
     Measure {
-        name: "contact_s",
+        name: "delivery_contact_s",
         unit: Unit::Seconds,
         of: Of::Deliveries(contact),
     },
     Measure {
-        name: "sim_seconds",
+        name: "delivery_seconds",
         unit: Unit::Seconds,
         of: Of::Deliveries(time),
     },
@@ -111,6 +112,8 @@ pub(super) struct Episode<'a> {
     pub deliveries: &'a [&'a DeliveryResult],
     /// Its own results.
     pub result: Option<&'a EpisodeResult>,
+    /// Whether the agent makes plans: then an episode without one is not understood.
+    pub is_planned: bool,
 }
 
 impl Measure {
@@ -125,16 +128,16 @@ impl Measure {
                 let values: Vec<f64> = episode.deliveries.iter().map(|d| value(d)).collect();
                 whole(sequence_mean(&values))
             }
-            Of::Plans => whole(episode.result.and_then(planned)),
+            Of::Plans if episode.is_planned => whole(episode.result.map(planned)),
             _ => Vec::new(),
         }
     }
 }
 
-/// 1 for a plan that the requested planner made alone, and that is right; 0 for another one.
-fn planned(episode: &EpisodeResult) -> Option<f64> {
-    let is_right = episode.understood?;
-    Some(f64::from(is_right && episode.fallbacks.is_empty()))
+/// 1 for a plan that the requested planner made alone, and that is right; 0 otherwise.
+fn planned(episode: &EpisodeResult) -> f64 {
+    let is_right = episode.understood == Some(true);
+    f64::from(is_right && episode.fallbacks.is_empty())
 }
 
 fn whole(value: Option<f64>) -> Vec<(String, f64)> {

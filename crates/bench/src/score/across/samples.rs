@@ -29,6 +29,13 @@ pub(super) struct Setup {
     pub truth: Option<String>,
 }
 
+impl Setup {
+    /// Whether the results do not say where they were made.
+    pub(super) fn is_unknown(&self) -> bool {
+        self.world.is_empty() || self.map.is_empty() || self.suite.is_empty()
+    }
+}
+
 /// Where a value was measured.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Place {
@@ -37,6 +44,8 @@ pub(super) struct Place {
     pub episode: usize,
     /// The address; empty for a value of the whole episode.
     pub door: String,
+    /// 1 for the first delivery to the door in the episode.
+    pub visit: usize,
 }
 
 /// Values by place.
@@ -64,17 +73,23 @@ pub(super) fn setups(system: &System) -> Vec<(Setup, u64)> {
 pub(super) fn samples(system: &System, measure: &Measure) -> Samples {
     let mut samples = Samples::new();
     for (run, (setup, seed)) in system.runs.iter().zip(setups(system)) {
+        let is_planned = run.episodes.iter().any(|e| e.understood.is_some());
         for (number, deliveries) in by_episode(&run.deliveries) {
             let episode = Episode {
                 deliveries: &deliveries,
                 result: run.episodes.iter().find(|e| e.episode == number),
+                is_planned,
             };
+            let mut doors = BTreeMap::<String, usize>::new();
             for (door, value) in measure.values(episode) {
+                let visits = doors.entry(door.clone()).or_default();
+                *visits += 1;
                 let place = Place {
                     setup: setup.clone(),
                     seed,
                     episode: number,
                     door,
+                    visit: *visits,
                 };
                 samples.insert(place, value);
             }
