@@ -1,12 +1,9 @@
 //! Whom the judge believes, and what it measures, in drives through the world of *small*.
 
-use std::collections::BTreeMap;
-use std::sync::atomic::AtomicBool;
-
 use openbench_bench::run::registry::{AgentError, AgentSettings};
 use openbench_bench::{
-    AgentFactory, AgentRequest, Build, Episode, Level, Prepared, Results, RunRequest, Truth,
-    Unfinished, builtin_suite, run, yardsticks,
+    AgentFactory, AgentRequest, Episode, Prepared, Results, RunRequest, Truth, builtin_suite, run,
+    yardsticks,
 };
 use openbench_core::{Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
 
@@ -81,22 +78,10 @@ fn judged(asked: &[Address], told: &[Address], change: fn() -> Change) -> Result
         told: prepared(told),
         change,
     };
+    let prepared = prepared(asked);
     let request = RunRequest {
-        prepared: &prepared(asked),
-        agent: "misled",
-        factory: &factory,
-        settings: &BTreeMap::new(),
         seed: 3,
-        jobs: 1,
-        level: Level::None,
-        out: None,
-        unfinished: Unfinished::Keep,
-        memory: None,
-        memory_file: None,
-        build: &Build::default(),
-        command: "",
-        progress: &|_| {},
-        stop: &AtomicBool::new(false),
+        ..RunRequest::new(&prepared, "misled", &factory)
     };
     run(&request).unwrap().results
 }

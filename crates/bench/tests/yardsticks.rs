@@ -1,13 +1,11 @@
 //! Yardsticks on the suite *small*.
 
-use std::collections::BTreeMap;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use openbench_bench::run::registry::{AgentError, AgentSettings};
 use openbench_bench::{
-    AgentFactory, AgentRequest, Build, Level, Prepared, Results, RunRequest, Unfinished,
-    builtin_suite, run, yardsticks,
+    AgentFactory, AgentRequest, Prepared, Results, RunRequest, builtin_suite, run, yardsticks,
 };
 use openbench_core::Agent;
 
@@ -23,21 +21,9 @@ static TWO: LazyLock<Prepared> = LazyLock::new(|| {
 
 fn run_in(prepared: &Prepared, agent: &str, factory: &dyn AgentFactory) -> Results {
     let request = RunRequest {
-        prepared,
-        agent,
-        factory,
-        settings: &BTreeMap::new(),
         seed: 7,
         jobs: 2,
-        level: Level::None,
-        out: None,
-        unfinished: Unfinished::Keep,
-        memory: None,
-        memory_file: None,
-        build: &Build::default(),
-        command: "",
-        progress: &|_| {},
-        stop: &AtomicBool::new(false),
+        ..RunRequest::new(prepared, agent, factory)
     };
     run(&request).unwrap().results
 }

@@ -96,8 +96,8 @@ pub fn download_spinner(what: &str) -> ProgressBar {
         .with_style(style)
 }
 
-/// Says what is being done for long: with the time that has passed to whoever watches, in a line to
-/// a file.
+/// Shows what is being done, for work that takes long: on a terminal a spinner with the elapsed
+/// time, elsewhere one line.
 pub fn doing_for_long<T>(what: &str, work: impl FnOnce() -> T) -> T {
     if !std::io::stderr().is_terminal() {
         tell(what);
@@ -112,7 +112,7 @@ pub fn doing_for_long<T>(what: &str, work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// Tells a file how much is done, at each tenth of it.
+/// Writes a line at each tenth of the work, for output that is not a terminal.
 pub fn tell_tenths(done: usize, all: usize, what: &str) {
     let tenths = |done: usize| 10 * done / all.max(1);
     if tenths(done) > tenths(done.saturating_sub(1)) {

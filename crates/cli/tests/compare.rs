@@ -36,7 +36,7 @@ fn the_means_over_seeds_are_written_and_seeds_that_are_done_are_kept() {
     assert_eq!(success["runs"], serde_json::json!([1.0, 1.0, 1.0]));
     assert_eq!(place.json("runs/means.json"), means);
     assert_eq!(place.json("runs/seed-4/results.json")["seed"], 4);
-    // Without a terminal, each delivery is told in a line.
+    // Output that is not a terminal gets a line for each delivery.
     let line = "3 of 3 episodes: 2.1 unit2, building2: delivered";
     assert!(ran.stderr.contains(line), "{}", ran.stderr);
 

@@ -63,8 +63,8 @@ impl<W: Write + Seek> LogWriter<W> {
         self.write_on(topic, time, message, "")
     }
 
-    /// Writes a message that holds until the next one on its topic. Players of logs give the last
-    /// one to whoever subscribes later.
+    /// Writes a message that holds until the next one on its topic. The topic is marked transient
+    /// local, so that a later subscriber gets the last message, too.
     ///
     /// # Errors
     /// As [`write`](Self::write).

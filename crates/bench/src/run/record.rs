@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use openbench_osm::merge_entrances;
 use serde::{Deserialize, Serialize};
@@ -10,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::files::{RUN, read_json, write_json};
 use super::recorder::Level;
 use super::registry::AgentFactory;
-use super::request::{RunRequest, Unfinished};
+use super::request::RunRequest;
 use crate::BenchError;
 use crate::score::provenance::{Build, ModelDigest, Provenance, Setting};
 use crate::score::results::MemoryUse;
@@ -95,23 +94,12 @@ impl RunRecord {
         prepared: &'a Prepared,
         factory: &'a dyn AgentFactory,
     ) -> RunRequest<'a> {
-        static GO_ON: AtomicBool = AtomicBool::new(false);
         RunRequest {
-            prepared,
-            agent: &self.agent,
-            factory,
             settings: &self.settings,
             seed: self.seed,
-            jobs: 1,
-            level: Level::None,
-            out: None,
-            unfinished: Unfinished::Keep,
-            memory: None,
-            memory_file: None,
             build: &self.build,
             command: &self.command,
-            progress: &|_| {},
-            stop: &GO_ON,
+            ..RunRequest::new(prepared, &self.agent, factory)
         }
     }
 

@@ -24,7 +24,7 @@ pub enum Unfinished {
     Resume,
 }
 
-/// The end of an episode, for people who wait.
+/// The end of an episode, as progress is reported.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EpisodeEnd {
     /// Number of episodes that have ended.
@@ -68,4 +68,34 @@ pub struct RunRequest<'a> {
     ///
     /// [`BenchError::Interrupted`]: crate::BenchError::Interrupted
     pub stop: &'a AtomicBool,
+}
+
+impl<'a> RunRequest<'a> {
+    /// A run with the agent's defaults and seed 0, on one thread. Nothing is written, and nothing
+    /// stops it.
+    pub fn new(prepared: &'a Prepared, agent: &'a str, factory: &'a dyn AgentFactory) -> Self {
+        static NO_SETTINGS: BTreeMap<String, String> = BTreeMap::new();
+        static UNKNOWN: Build = Build {
+            commit: String::new(),
+            target: String::new(),
+        };
+        static GO_ON: AtomicBool = AtomicBool::new(false);
+        Self {
+            prepared,
+            agent,
+            factory,
+            settings: &NO_SETTINGS,
+            seed: 0,
+            jobs: 1,
+            level: Level::None,
+            out: None,
+            unfinished: Unfinished::Keep,
+            memory: None,
+            memory_file: None,
+            build: &UNKNOWN,
+            command: "",
+            progress: &|_| {},
+            stop: &GO_ON,
+        }
+    }
 }

@@ -10,7 +10,7 @@ use super::Prepared;
 use crate::BenchError;
 
 /// What a run was made in. Equal hashes mean equal inputs, wherever their files lie.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Hashes {
     /// Instructions, doors, their order, traffic and sensors.
     pub suite: String,
@@ -23,6 +23,11 @@ pub struct Hashes {
 }
 
 impl Hashes {
+    /// Whether they say nothing, as in results of older versions.
+    pub fn are_unknown(&self) -> bool {
+        self.suite.is_empty() || self.world.is_empty() || self.map.is_empty()
+    }
+
     /// The hashes of a suite that is ready to run.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Driving the episodes of a run, with progress for whoever waits.
+//! Drives the episodes of a run and shows progress.
 
 use openbench_bench::score::results::DeliveryResult;
 use openbench_bench::{BenchError, EpisodeEnd, Results, RunRequest};
@@ -6,7 +6,8 @@ use openbench_bench::{BenchError, EpisodeEnd, Results, RunRequest};
 use crate::outcome::tell;
 use crate::progress::progress_bar;
 
-/// Drives the episodes of a request; shows a bar to people, and tells of each delivery to files.
+/// Drives the episodes of a request; shows a bar on a terminal; elsewhere it writes a line for each
+/// delivery.
 pub fn drive_with_progress(request: RunRequest<'_>) -> Result<Results, BenchError> {
     let episodes = request.prepared.episodes.len();
     let bar = progress_bar(episodes, "delivering");

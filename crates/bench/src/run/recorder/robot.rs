@@ -40,7 +40,7 @@ fn optical() -> Pose3 {
     Pose3::from_parts(nalgebra::Translation3::identity(), turn)
 }
 
-/// The transforms that never change: the frames on the robot, and that of what it believes.
+/// The transforms that never change: those of the frames on the robot.
 pub(super) fn fixed_transforms(robot: &RobotDescription) -> TfMessage {
     let links = links(robot).into_iter();
     TfMessage(

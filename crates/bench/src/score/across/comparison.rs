@@ -9,10 +9,11 @@ use super::paired::{
     holm, independent_disagreement, interval_of_mean, interval_of_share_difference, mcnemar,
     pairs_to_tell,
 };
-use super::samples::{ClusteredBy, Samples, Setup, clustered_by, clusters, mean, samples, setups};
+use super::samples::{ClusteredBy, Samples, clustered_by, clusters, mean, samples, setups};
 use super::system::System;
 use crate::score::Results;
 use crate::score::departures::departures;
+use crate::worlds::Hashes;
 
 /// Seed of the bootstrap. Any will do; the same one gives the same intervals.
 const SEED: u64 = 0;
@@ -192,7 +193,7 @@ fn check(system: &System) -> Result<(), CompareError> {
     }
     let mut seen = BTreeSet::new();
     for (setup, run) in setups(system).into_iter().zip(&system.runs) {
-        if setup.0.is_unknown() {
+        if setup.0.are_unknown() {
             return Err(CompareError::Unplaced {
                 system: system.name.clone(),
                 suite: run.suite.clone(),
@@ -215,7 +216,7 @@ fn check(system: &System) -> Result<(), CompareError> {
 
 /// Refuses a run of the first system that the second one lacks.
 fn covers(first: &System, second: &System) -> Result<(), CompareError> {
-    let there: BTreeSet<(Setup, u64)> = setups(second).into_iter().collect();
+    let there: BTreeSet<(Hashes, u64)> = setups(second).into_iter().collect();
     let runs = setups(first).into_iter().zip(&first.runs);
     match runs.into_iter().find(|(setup, _)| !there.contains(setup)) {
         Some((_, run)) => Err(CompareError::NotTheSame {

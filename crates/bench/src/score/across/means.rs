@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::measures::{MEASURES, Measure, Unit};
 use super::paired::interval_of_mean;
-use super::samples::{ClusteredBy, clustered_by, clusters, mean, samples};
+use super::samples::{ClusteredBy, clustered_by, clusters, mean, samples, setups};
 use super::system::System;
 use crate::score::statistics::mean_interval;
+use crate::worlds::Hashes;
 
 /// Means over the runs of a system, with intervals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -50,12 +51,11 @@ pub fn means(system: &System, seed: u64) -> Means {
 fn mean_of(system: &System, measure: &Measure, by: ClusteredBy, seed: u64) -> Option<Mean> {
     let all = samples(system, measure);
     let values = clusters(&all, by);
-    let one = |run: &crate::score::Results| {
-        let alone = System {
-            name: String::new(),
-            runs: vec![run.clone()],
-        };
-        mean(samples(&alone, measure).values())
+    let of_run = |(setup, seed): (Hashes, u64)| {
+        let its_own = all
+            .iter()
+            .filter(|(place, _)| place.setup == setup && place.seed == seed);
+        mean(its_own.map(|(_, value)| value))
     };
     Some(Mean {
         name: measure.name.to_owned(),
@@ -65,6 +65,6 @@ fn mean_of(system: &System, measure: &Measure, by: ClusteredBy, seed: u64) -> Op
             Unit::Share => mean_interval(&values, seed),
             Unit::Count | Unit::Seconds => interval_of_mean(&values, seed),
         },
-        runs: system.runs.iter().map(one).collect(),
+        runs: setups(system).into_iter().map(of_run).collect(),
     })
 }

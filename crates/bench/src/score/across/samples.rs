@@ -8,6 +8,7 @@ use super::measures::{Episode, Measure};
 use super::system::System;
 use crate::score::metrics::values::by_episode;
 use crate::score::statistics::MIN_EPISODES;
+use crate::worlds::Hashes;
 
 /// What is resampled as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,26 +21,10 @@ pub enum ClusteredBy {
     Episode,
 }
 
-/// The world and the suite of a run, by their hashes.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Setup {
-    pub world: String,
-    pub map: String,
-    pub suite: String,
-    pub truth: Option<String>,
-}
-
-impl Setup {
-    /// Whether the results do not say where they were made.
-    pub(super) fn is_unknown(&self) -> bool {
-        self.world.is_empty() || self.map.is_empty() || self.suite.is_empty()
-    }
-}
-
 /// Where a value was measured.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Place {
-    pub setup: Setup,
+    pub setup: Hashes,
     pub seed: u64,
     pub episode: usize,
     /// The address; empty for a value of the whole episode.
@@ -52,21 +37,10 @@ pub(super) struct Place {
 pub(super) type Samples = BTreeMap<Place, f64>;
 
 /// The setups and seeds of a system's runs.
-pub(super) fn setups(system: &System) -> Vec<(Setup, u64)> {
-    let hashes = system
-        .runs
-        .iter()
-        .map(|run| (&run.provenance.hashes, run.seed));
-    let setups = hashes.map(|(hashes, seed)| {
-        let setup = Setup {
-            world: hashes.world.clone(),
-            map: hashes.map.clone(),
-            suite: hashes.suite.clone(),
-            truth: hashes.truth.clone(),
-        };
-        (setup, seed)
-    });
-    setups.collect()
+pub(super) fn setups(system: &System) -> Vec<(Hashes, u64)> {
+    let runs = system.runs.iter();
+    runs.map(|run| (run.provenance.hashes.clone(), run.seed))
+        .collect()
 }
 
 /// The values of a measure in all runs of a system.
@@ -111,7 +85,7 @@ pub(super) fn clustered_by(system: &System) -> ClusteredBy {
 
 /// The values of each cluster.
 pub(super) fn clusters(samples: &Samples, by: ClusteredBy) -> Vec<Vec<f64>> {
-    let mut clusters = BTreeMap::<(&Setup, usize), Vec<f64>>::new();
+    let mut clusters = BTreeMap::<(&Hashes, usize), Vec<f64>>::new();
     let mut worlds = BTreeMap::<&String, Vec<f64>>::new();
     for (place, value) in samples {
         match by {
