@@ -1,9 +1,10 @@
 //! Whom the judge believes, and what it measures, in drives through the world of *small*.
 
+use openbench_bench::report::terminal_table;
 use openbench_bench::run::registry::{AgentError, AgentSettings};
 use openbench_bench::{
-    AgentFactory, AgentRequest, Episode, Prepared, Results, RunRequest, Truth, builtin_suite, run,
-    yardsticks,
+    AgentFactory, AgentRequest, Episode, Prepared, Results, RunRecord, RunRequest, Truth,
+    builtin_suite, run, verify, yardsticks,
 };
 use openbench_core::{Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
 
@@ -176,4 +177,37 @@ fn a_failure_at_the_beginning_of_a_sequence_weighs_most() {
     assert_eq!(results.metrics.member_sr_2m, Some(2.0 / 3.0));
     let failed = &results.deliveries[0];
     assert_eq!(failed.failure, Some(FailureCause::DoorNotFound));
+}
+
+/// Drives as the omniscient agent does, and cannot repeat it.
+struct Unrepeatable;
+
+impl AgentFactory for Unrepeatable {
+    fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
+        yardsticks::agents().get("omniscient")?.make(request)
+    }
+
+    fn uses_truth(&self, _: &AgentSettings) -> bool {
+        true
+    }
+
+    fn cannot_repeat(&self, _: &AgentSettings) -> Option<String> {
+        Some("a person drove".into())
+    }
+}
+
+#[test]
+fn results_that_nobody_can_repeat_say_so_and_their_actions_are_verified() {
+    let prepared = prepared(&[address(1, 1)]);
+    let out = tempfile::tempdir().unwrap();
+    let request = RunRequest {
+        out: Some(out.path()),
+        ..RunRequest::new(&prepared, "driver", &Unrepeatable)
+    };
+    let results = run(&request).unwrap().results;
+    let reason = results.provenance.cannot_repeat.as_deref();
+    assert_eq!(reason, Some("a person drove"));
+    assert!(terminal_table(&results).contains("a person drove"));
+    let record = RunRecord::read(out.path()).unwrap();
+    verify(out.path(), &record, &prepared, 1, &mut || {}).unwrap();
 }

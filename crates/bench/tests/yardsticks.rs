@@ -7,7 +7,7 @@ use openbench_bench::run::registry::{AgentError, AgentSettings};
 use openbench_bench::{
     AgentFactory, AgentRequest, Prepared, Results, RunRequest, builtin_suite, run, yardsticks,
 };
-use openbench_core::Agent;
+use openbench_core::{Agent, FailureCause};
 
 static SMALL: LazyLock<Prepared> =
     LazyLock::new(|| Prepared::new(builtin_suite("small").unwrap(), None).unwrap());
@@ -52,6 +52,13 @@ fn a_straight_line_and_chance_are_lower_bounds() {
         assert!(results.metrics.sr_2m.unwrap() < 0.5, "{agent}");
         assert!(results.provenance.uses_truth);
     }
+}
+
+#[test]
+fn chance_declares_every_delivery_before_the_time_is_over() {
+    let results = results(&TWO, "random");
+    let is_over = |cause: Option<FailureCause>| cause == Some(FailureCause::Timeout);
+    assert!(results.deliveries.iter().all(|d| !is_over(d.failure)));
 }
 
 /// Notes whether it was told the truth, and makes no agent.

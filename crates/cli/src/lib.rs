@@ -60,6 +60,7 @@ pub use openbench_bench::run::registry::AgentError;
 pub use openbench_bench::{AgentFactory, AgentRequest, Build, ModelDigest, Setting};
 
 use args::{Args, Command};
+use openbench_bench::worlds::hashes::hash_file;
 use outcome::Outcome;
 
 /// Runs the command line with agents and parts beside the built-in ones.
@@ -81,10 +82,18 @@ pub fn main_with(extensions: Extensions) -> ExitCode {
     outcome::exit(checked.and_then(|()| dispatch(args.command, &extensions)))
 }
 
-/// The commit and the platform that this program is built from and for.
+/// The commit that this program is built from.
+const COMMIT: &str = env!("OPENBENCH_COMMIT");
+
+/// This program: its commit, its file, and the platform that it is built for.
 fn build() -> Build {
+    let program = std::env::current_exe().ok();
     Build {
-        commit: env!("OPENBENCH_COMMIT").to_owned(),
+        commit: COMMIT.to_owned(),
+        // A program whose file was replaced since it started can still run.
+        program: program
+            .and_then(|path| hash_file(&path).ok())
+            .unwrap_or_default(),
         target: env!("OPENBENCH_TARGET").to_owned(),
     }
 }

@@ -82,6 +82,7 @@ fn systems_are_compared_and_what_they_were_told_is_said() {
         "only A succeeded",
         "McNemar p =",
         "whole\nepisodes are resampled",
+        "2 episodes cannot show a difference at 5 %; it takes 6 at least",
         "is found with 80 % probability",
     ] {
         assert!(text.contains(part), "{part}: {text}");

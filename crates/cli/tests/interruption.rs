@@ -242,3 +242,45 @@ fn what_cannot_be_resumed_is_refused() {
         .openbench("run small --resume nowhere")
         .refused_with(&["--resume"]);
 }
+
+#[test]
+fn several_seeds_are_continued_where_they_were_stopped() {
+    let place = prepared();
+    let seeds = "--deliveries three.txt --targets planner --out many --seeds 1..2 \
+                 --set reader=replay:answers.jsonl";
+    deliver(&place, seeds).succeeded();
+    let of = |place: &Place, seed: u32| files(&place.path(&format!("many/seed-{seed}")));
+    let (first, second) = (of(&place, 1), of(&place, 2));
+    let means = place.json("many/means.json");
+    std::fs::remove_dir_all(place.path("many")).unwrap();
+
+    let mut child = start(&place, seeds);
+    wait_for(&place.path("many/seed-2/unfinished/episodes/000.actions.json"));
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!place.path("many/means.json").exists());
+    let written = |path: &str| std::fs::metadata(place.path(path)).unwrap().modified();
+    let results = "many/seed-1/results.json";
+    let before = written(results).unwrap();
+    let again = deliver(&place, seeds);
+    assert!(again.succeeded().stderr.contains("seed 1 is done already"));
+    assert_eq!(written(results).unwrap(), before, "it was not driven again");
+    assert_eq!(differences(&first, &of(&place, 1)), [""; 0]);
+    assert_eq!(differences(&second, &of(&place, 2)), [""; 0]);
+    assert_eq!(means, place.json("many/means.json"));
+}
+
+#[test]
+fn another_program_continues_no_run() {
+    let place = prepared();
+    let mut child = start(&place, RUN);
+    wait_for(&place.path("run/unfinished/episodes/000.actions.json"));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let mut record = place.json("run/unfinished/run.json");
+    record["build"]["program"] = "another".into();
+    place.file("run/unfinished/run.json", record.to_string());
+    place
+        .openbench("run --resume run")
+        .refused_with(&["cannot be continued", "its program is another"]);
+}

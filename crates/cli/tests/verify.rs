@@ -137,6 +137,17 @@ fn a_run_of_another_version_is_refused() {
 }
 
 #[test]
+fn an_agent_that_cannot_repeat_is_not_run_again() {
+    let place = a_run();
+    let mut record = place.json("run/run.json");
+    record["cannot_repeat"] = "a person drove".into();
+    place.file("run/run.json", record.to_string());
+    place
+        .openbench("verify run --agent")
+        .refused_with(&["cannot be run again: a person drove"]);
+}
+
+#[test]
 fn an_agent_repeats_what_it_did_without_its_models() {
     let place = town();
     place.file(

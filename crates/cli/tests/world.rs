@@ -417,3 +417,40 @@ fn folders_that_are_no_worlds_are_refused() {
         ran.stderr
     );
 }
+
+/// The village with three doors in its map.
+fn village_with_doors() -> Place {
+    let place = village();
+    let mut text = place.read("village.osm");
+    for (id, first, x) in [(51, 20, 22.0), (52, 30, 40.0)] {
+        let (lat, lon) = (6.0 / 110_574.3, 3.0 + x / 111_319.5);
+        let door = format!(
+            "<node id='{id}' lat='{lat:.8}' lon='{lon:.8}'><tag k='entrance' v='yes'/>\
+             <tag k='ref' v='{id}'/></node>\n"
+        );
+        text = text.replacen("<node", &(door + "<node"), 1);
+        let wall = format!("<nd ref='{first}'/>");
+        text = text.replacen(&wall, &format!("{wall}<nd ref='{id}'/>"), 1);
+    }
+    place.file("village.osm", text);
+    place
+}
+
+#[test]
+fn the_map_of_a_world_is_no_memory_of_a_run() {
+    let place = village_with_doors();
+    place
+        .openbench("world generate --map village.osm --out w")
+        .succeeded();
+    for own in ["village.osm", "w/map.osm"] {
+        let words = format!("run w --set reader={NOBODY} --memory {own}");
+        place
+            .openbench(&words)
+            .refused_with(&[own, "the map that the world is made from"]);
+    }
+    assert!(!place.path("runs").exists());
+    // The public map has no doors, so it tells nothing.
+    let words = "run w --agent random --record none --memory w/public.osm --out run";
+    place.openbench(words).succeeded();
+    assert_eq!(place.json("run/results.json")["memory"]["doors"], 0);
+}

@@ -3,12 +3,15 @@
 use std::fmt::Write;
 
 use crate::plural::count;
-use crate::score::across::comparison::{Difference, Row};
+use crate::score::across::comparison::{Difference, Row, SuccessTest};
 use crate::score::across::means::Mean;
+use crate::score::across::paired::lowest_p;
 use crate::score::across::{ClusteredBy, Comparison, Means, Unit};
 
 /// Width of the names of measures, columns.
 const NAME_COLUMNS: usize = 20;
+/// Below this p-value a difference counts as found.
+const LEVEL: f64 = 0.05;
 /// Runs whose own values are shown.
 const RUNS_SHOWN: usize = 5;
 
@@ -117,6 +120,28 @@ fn success(out: &mut String, comparison: &Comparison, other: usize) {
         let _ = write!(out, ", Holm {}", probability(test.p_holm));
     }
     out.push('\n');
+    if let Some(needed) = more_clusters(test, comparison.tests.len()) {
+        let (one, many) = match comparison.clustered_by {
+            ClusteredBy::World => ("world", "worlds"),
+            ClusteredBy::Episode => ("episode", "episodes"),
+        };
+        let _ = writeln!(
+            out,
+            "{:<NAME_COLUMNS$} {} cannot show a difference at 5 %; it takes {needed} at least",
+            "",
+            count(test.clusters, one, many)
+        );
+    }
+}
+
+/// The number of clusters from which on the best of `tests` tests can find a difference at 5 %;
+/// `None` if this one has as many.
+fn more_clusters(test: &SuccessTest, tests: usize) -> Option<usize> {
+    // Holm multiplies the lowest p by the number of tests.
+    let can_find = |clusters| lowest_p(clusters) * tests as f64 <= LEVEL;
+    (test.clusters + 1..)
+        .find(|clusters| can_find(*clusters))
+        .filter(|_| !can_find(test.clusters))
 }
 
 fn probability(p: f64) -> String {
@@ -144,7 +169,8 @@ fn to_tell(out: &mut String, comparison: &Comparison) {
     let _ = writeln!(
         out,
         "A difference of {:.1} points in sr_2m is found with 80 % probability in {} single \
-         deliveries\nof different episodes, if {:.0} % of them end differently.",
+         deliveries,\nif {:.0} % of them end differently. They are taken as independent: those of \
+         one world\nor of one episode with several seeds count for less.",
         100.0 * needed.difference,
         needed.pairs,
         100.0 * needed.disagreement

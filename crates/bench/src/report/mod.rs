@@ -202,6 +202,7 @@ fn reproduction(out: &mut String, input: &ReportInput<'_>) {
     let build = &results.provenance.build;
     let made = [
         ("commit", build.commit.clone()),
+        ("program (BLAKE3)", shortened(&build.program)),
         ("platform", build.target.clone()),
         (
             "world (BLAKE3)",

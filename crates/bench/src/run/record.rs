@@ -145,6 +145,7 @@ impl RunRecord {
         let pairs = [
             ("version", &self.version, &now.version),
             ("commit", &self.build.commit, &now.build.commit),
+            ("program", &self.build.program, &now.build.program),
             ("world", &self.hashes.world, &now.hashes.world),
             ("map", &self.hashes.map, &now.hashes.map),
             ("suite", &self.hashes.suite, &now.hashes.suite),

@@ -77,6 +77,7 @@ impl<'a> RunRequest<'a> {
         static NO_SETTINGS: BTreeMap<String, String> = BTreeMap::new();
         static UNKNOWN: Build = Build {
             commit: String::new(),
+            program: String::new(),
             target: String::new(),
         };
         static GO_ON: AtomicBool = AtomicBool::new(false);

@@ -38,6 +38,10 @@ pub struct ModelDigest {
 pub struct Build {
     /// Commit of its source, with `-dirty` if that was edited; `unknown` outside a repository.
     pub commit: String,
+    /// BLAKE3 of the program's file, hexadecimal: two builds of an edited source differ; empty if
+    /// the file cannot be read.
+    #[serde(default)]
+    pub program: String,
     /// Target triple, such as `x86_64-unknown-linux-gnu`.
     pub target: String,
 }

@@ -19,6 +19,8 @@ mod localizer;
 mod omniscient;
 mod random;
 mod reader;
+#[cfg(test)]
+mod scenery;
 mod straight_line;
 
 use std::sync::Arc;

@@ -13,8 +13,13 @@ use super::errands::{Errands, Stop, give_up};
 use super::following::Follower;
 use crate::run::truth::{Instant, Truth, TruthHandle};
 
+/// Clearance beside the footprint where there is room for it, metres. The judge's shortest paths
+/// are drawn on a grid of 0.1 m, and a footprint that follows them may graze what they pass.
+const CLEARANCE_M: f64 = 0.05;
 /// A robot whose middle is off free ground by at most this much is taken to be on it, metres.
 const OFF_GROUND_M: f64 = 1.0;
+/// The way with clearance may end so far from the approach point, metres.
+const OFF_APPROACH_M: f64 = 0.2;
 /// Distance in front of the robot's middle that must be free of people and cars, metres.
 const AHEAD_M: f32 = 1.2;
 /// Heights at which somebody is looked for, metres.
@@ -25,6 +30,9 @@ const HEIGHTS_M: [f64; 2] = [0.3, 0.9];
 /// them.
 pub(super) struct Omniscient {
     handle: TruthHandle,
+    /// Where there is room for the clearance.
+    roomy: FreeSpace,
+    /// Where the footprint fits.
     free_space: FreeSpace,
     stage: Stage,
     robot: RobotDescription,
@@ -41,8 +49,12 @@ struct Leg {
 impl Omniscient {
     /// For an episode.
     pub(super) fn new(truth: &Truth<'_>) -> Self {
+        let (stage, robot) = (&truth.prepared.stage, &truth.prepared.robot);
+        let start = truth.prepared.world.start.point();
+        let radius = robot.circumscribed_radius() + CLEARANCE_M;
         Self {
             handle: truth.handle.clone(),
+            roomy: FreeSpace::new(stage.caster(), start, radius),
             free_space: truth.prepared.free_space.clone(),
             stage: truth.prepared.stage.clone(),
             robot: truth.prepared.robot.clone(),
@@ -53,10 +65,13 @@ impl Omniscient {
 
     /// The way from a pose to a stop; `None` if there is none.
     fn leg(&self, pose: Pose2, stop: &Stop) -> Option<Leg> {
-        let from = self
-            .free_space
-            .nearest_reachable(pose.point(), OFF_GROUND_M)?;
-        let path = self.free_space.path(from, stop.approach?)?;
+        let to = stop.approach?;
+        let path = |space: &FreeSpace| {
+            let from = space.nearest_reachable(pose.point(), OFF_GROUND_M)?;
+            let near = space.nearest_reachable(to, OFF_APPROACH_M)?;
+            space.path(from, near)
+        };
+        let path = path(&self.roomy).or_else(|| path(&self.free_space))?;
         Some(Leg {
             address: stop.address.clone(),
             follower: Follower::new(path),
@@ -131,5 +146,37 @@ impl Agent for Omniscient {
                 Action::Delivered(address)
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scenery::{NOTHING_SENSED, PEOPLED, truth_with};
+    use super::*;
+
+    /// What the agent does at the start, when it looks along its way, with somebody so far ahead.
+    fn speed_with_somebody(ahead: Option<f64>) -> f64 {
+        let start = PEOPLED.world.start.point();
+        let towards = |yaw| Pose2::new(start.x, start.y, yaw);
+        let stop = Errands::of(&truth_with(towards(0.0), None))
+            .take_nearest(start)
+            .unwrap();
+        let path = PEOPLED.free_space.path(start, stop.approach.unwrap());
+        let yaw = start.bearing_to(path.unwrap()[1]);
+        let person = ahead.map(|ahead| start.offset(yaw, ahead));
+        let mut agent = Omniscient::new(&truth_with(towards(yaw), person));
+        match agent.act(&NOTHING_SENSED.observation(), &mut Vec::new()) {
+            Action::Drive(velocity) => velocity.linear,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn it_waits_for_whoever_is_in_front_of_it() {
+        assert!(speed_with_somebody(None) > 0.1);
+        assert_eq!(speed_with_somebody(Some(1.0)), 0.0);
+        // Too far ahead to wait for, and behind it.
+        assert!(speed_with_somebody(Some(3.0)) > 0.1);
+        assert!(speed_with_somebody(Some(-1.0)) > 0.1);
     }
 }

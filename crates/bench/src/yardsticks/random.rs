@@ -15,11 +15,13 @@ use crate::run::truth::Truth;
 /// Shortest and longest time for which a velocity is kept, seconds.
 const LEG_S: [f64; 2] = [1.0, 8.0];
 
-/// Drives with random velocities and declares each delivery at a random time.
+/// Drives with random velocities and declares each delivery at a random time of the episode.
 pub(super) struct Random {
     addresses: Vec<Address>,
     robot: RobotDescription,
     random: Pcg32,
+    /// The judge's limit: who declares later does not declare at all.
+    time_limit: Duration,
     /// What is declared when, the last one first.
     declarations: Vec<(SimTime, Address)>,
     velocity: Velocity,
@@ -33,6 +35,7 @@ impl Random {
             addresses: Errands::of(truth).addresses(),
             robot: truth.prepared.robot.clone(),
             random: Pcg32::seed_from_u64(seed),
+            time_limit: truth.prepared.episodes[truth.episode].time_limit,
             declarations: Vec::new(),
             velocity: Velocity::ZERO,
             changes_at: SimTime::ZERO,
@@ -55,8 +58,8 @@ impl Random {
 }
 
 impl Agent for Random {
-    fn begin(&mut self, briefing: &Briefing, _: &mut dyn Events) -> Result<(), GiveUp> {
-        let all = briefing.time_limit.as_secs_f64() * self.addresses.len() as f64;
+    fn begin(&mut self, _: &Briefing, _: &mut dyn Events) -> Result<(), GiveUp> {
+        let all = self.time_limit.as_secs_f64();
         for address in self.addresses.clone() {
             let at = SimTime::ZERO + Duration::from_secs_f64(self.between(0.0, all));
             self.declarations.push((at, address));

@@ -200,66 +200,110 @@ impl Text {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::LazyLock;
+    use std::sync::Arc;
 
-    use openbench_core::{Pose2, SimTime};
+    use openbench_core::{MapPoint, Pose2, SimTime};
+    use openbench_scene::{MaterialId, RayCaster, Scene, Triangle, Vertex};
 
+    use super::super::scenery::{PEOPLED, truth_with};
     use super::*;
-    use crate::Prepared;
-    use crate::worlds::builtin_suite;
 
-    static SMALL: LazyLock<Prepared> =
-        LazyLock::new(|| Prepared::new(builtin_suite("small").unwrap(), None).unwrap());
-
-    /// What is read from a place `ahead` metres in front of a plate, `aside` metres to its side,
-    /// by a robot that looks at it.
-    fn read(door: &Door, ahead: f64, aside: f64, least: f64) -> Vec<PlateReading> {
-        let handle = TruthHandle::default();
-        let truth = Truth {
-            handle: handle.clone(),
-            prepared: &SMALL,
-            episode: 0,
-        };
+    /// A place `ahead` metres in front of a plate and `aside` metres to its side.
+    fn place(door: &Door, ahead: f64, aside: f64) -> MapPoint {
         let place = door.point().offset(door.facing, ahead);
-        let place = place.offset(door.facing + FRAC_PI_2, aside);
-        let yaw = place.bearing_to(door.point());
-        handle.set(Instant {
-            time: SimTime::ZERO,
-            base_link: Pose2::new(place.x, place.y, yaw).to_pose3(0.0),
-            ..Instant::default()
-        });
+        place.offset(door.facing + FRAC_PI_2, aside)
+    }
+
+    /// The reader of a robot that looks at a plate from a place.
+    fn reader(door: &Door, from: MapPoint, person: Option<MapPoint>) -> TruthReader {
+        let yaw = from.bearing_to(door.point());
+        TruthReader::new(&truth_with(Pose2::new(from.x, from.y, yaw), person))
+    }
+
+    fn read(mut reader: TruthReader) -> Vec<PlateReading> {
         let image = Image {
             stamp: SimTime::ZERO,
             width: 1,
             height: 1,
             rgb: vec![0; 3],
         };
-        TruthReader::new(&truth)
-            .with_least(LetterHeight(least))
-            .read(&image)
-            .unwrap()
+        reader.read(&image).unwrap()
+    }
+
+    fn sees(reader: TruthReader, door: &Door) -> bool {
+        read(reader).iter().any(|reading| reading.text == door.text)
+    }
+
+    /// The scene with a wall of 2 by 2 metres across a way from a plate.
+    fn walled(scene: &Scene, door: &Door, ahead: f64) -> Scene {
+        let mut scene = Scene {
+            figures: Vec::new(),
+            triangles: scene.standing().to_vec(),
+            ..scene.clone()
+        };
+        let first = scene.vertices.len() as u32;
+        for (aside, height) in [(-1.0, 0.0), (1.0, 0.0), (1.0, 2.0), (-1.0, 2.0)] {
+            let at = place(door, ahead, aside);
+            let up = PEOPLED.free_space.ground() + height;
+            scene.vertices.push(Vertex {
+                position: [at.x as f32, at.y as f32, up as f32],
+                uv: [0.0; 2],
+            });
+        }
+        for corners in [[0, 1, 2], [0, 2, 3]] {
+            scene.triangles.push(Triangle {
+                corners: corners.map(|corner| first + corner),
+                material: MaterialId(0),
+            });
+        }
+        scene
     }
 
     #[test]
     fn plates_are_read_from_the_front_and_near_enough() {
-        let door = &SMALL.world.scene.doors[0];
-        let texts = |ahead, aside, least| -> Vec<String> {
-            let readings = read(door, ahead, aside, least).into_iter();
-            readings.map(|reading| reading.text).collect()
+        let door = &PEOPLED.world.scene.doors[0];
+        let is_read = |ahead, aside, least| {
+            let reader = reader(door, place(door, ahead, aside), None);
+            sees(reader.with_least(LetterHeight(least)), door)
         };
-        assert!(texts(4.0, 0.0, 10.0).contains(&door.text));
+        assert!(is_read(4.0, 0.0, 10.0));
         // Too far for letters of that height, too oblique, and from behind the wall.
-        assert!(!texts(4.0, 0.0, 40.0).contains(&door.text));
-        assert!(!texts(1.0, 8.0, 10.0).contains(&door.text));
-        assert!(!texts(-4.0, 0.0, 1.0).contains(&door.text));
+        assert!(!is_read(4.0, 0.0, 40.0));
+        assert!(!is_read(1.0, 8.0, 10.0));
+        assert!(!is_read(-4.0, 0.0, 1.0));
+    }
+
+    #[test]
+    fn whoever_stands_in_front_of_a_plate_hides_it() {
+        let door = &PEOPLED.world.scene.doors[0];
+        let is_read = |ahead, aside| {
+            let person = Some(place(door, ahead, aside));
+            sees(reader(door, place(door, 4.0, 0.0), person), door)
+        };
+        assert!(!is_read(2.0, 0.0));
+        assert!(is_read(2.0, 2.0), "beside the line of sight");
+        assert!(is_read(6.0, 0.0), "behind the robot");
+    }
+
+    #[test]
+    fn a_wall_hides_a_plate() {
+        let door = &PEOPLED.world.scene.doors[0];
+        let is_read = |wall| {
+            let scene = walled(&PEOPLED.world.scene, door, wall);
+            let stage = Stage::new(RayCaster::new(Arc::new(scene))).unwrap();
+            let reader = reader(door, place(door, 4.0, 0.0), None);
+            sees(TruthReader { stage, ..reader }, door)
+        };
+        assert!(!is_read(2.0));
+        assert!(is_read(6.0), "behind the robot");
     }
 
     #[test]
     fn the_corners_surround_the_middle_of_the_image() {
-        let door = &SMALL.world.scene.doors[0];
-        let readings = read(door, 4.0, 0.0, 10.0);
+        let door = &PEOPLED.world.scene.doors[0];
+        let readings = read(reader(door, place(door, 4.0, 0.0), None));
         let reading = readings.iter().find(|r| r.text == door.text).unwrap();
-        let optics = SMALL.robot.camera_intrinsics;
+        let optics = PEOPLED.robot.camera_intrinsics;
         let [u, _] = reading.centre();
         assert!(
             (f64::from(u) - f64::from(optics.width) / 2.0).abs() < 1.0,

@@ -113,7 +113,7 @@ fn table(towns: &Towns) -> String {
     } = towns;
     let _ = writeln!(
         text,
-        "{:<22}  {}  {}  {}  {}  {silent_divergences:>6}  {:>8}  {:>4}  {:>4}  {:>4.1}  {}",
+        "{:<22}  {}  {}  {}  {}  {silent_divergences:>6}  {:>8}  {:>4}  {:>4}  {}  {}",
         "all",
         percent(metrics.sr_2m),
         percent(metrics.spl),
@@ -123,7 +123,7 @@ fn table(towns: &Towns) -> String {
         "",
         "",
         metrics.collisions,
-        metrics.real_time_factor.unwrap_or(0.0),
+        factor(metrics.real_time_factor),
         causes(failures)
     );
     let interval = |name: &str| {
@@ -162,7 +162,7 @@ fn line(town: &Town) -> String {
         .nees
         .map_or("–".to_owned(), |nees| format!("{:.1}", nees.mean));
     format!(
-        "{:<22}  {}  {}  {}  {}  {silent:>6}  {:>8.4}  {nees:>4}  {:>4}  {:>4.1}  {}\n",
+        "{:<22}  {}  {}  {}  {}  {silent:>6}  {:>8.4}  {nees:>4}  {:>4}  {}  {}\n",
         town.place.name,
         percent(metrics.sr_2m),
         percent(metrics.spl),
@@ -170,7 +170,7 @@ fn line(town: &Town) -> String {
         pose(PoseSum::of(&town.pose_errors)),
         town.odometry.rms_m,
         metrics.collisions,
-        metrics.real_time_factor.unwrap_or(0.0),
+        factor(metrics.real_time_factor),
         causes(&town.failures())
     )
 }
@@ -179,6 +179,10 @@ fn percent(share: Option<f64>) -> String {
     share.map_or("   –".to_owned(), |share| {
         format!("{:4.0}", share * 100.0)
     })
+}
+
+fn factor(real_time: Option<f64>) -> String {
+    real_time.map_or("   –".to_owned(), |factor| format!("{factor:4.1}"))
 }
 
 fn pose(sum: Option<PoseSum>) -> String {

@@ -44,8 +44,8 @@ fn check_version(record: &RunRecord, run: &Path) -> anyhow::Result<()> {
             record.version
         );
     }
-    let (then, now) = (&record.build.commit, crate::build().commit);
-    if *then != now {
+    let (then, now) = (record.build.commit.as_str(), crate::COMMIT);
+    if then != now {
         tell(&format!(
             "{} was made by commit {then}, this program by {now}; they may differ",
             run.display()
@@ -65,6 +65,10 @@ fn replay(record: &RunRecord, prepared: &Prepared, args: &VerifyArgs) -> anyhow:
 
 /// Compares the files, and the actions of the agent that is run again.
 fn drive_again(record: &RunRecord, args: &VerifyArgs, agents: &Agents) -> anyhow::Result<()> {
+    if let Some(reason) = &record.cannot_repeat {
+        let run = args.run.display();
+        anyhow::bail!("the agent of {run} cannot be run again: {reason}; leave --agent out");
+    }
     let factory = agents.get(&record.agent)?.as_ref();
     // In the order of `run`: settings before the world, downloads after it.
     super::run::check_agent(factory, &record.settings)?;

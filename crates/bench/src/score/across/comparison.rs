@@ -132,6 +132,8 @@ pub struct SuccessTest {
     pub only_other: usize,
     /// Number of pairs.
     pub pairs: usize,
+    /// Number of worlds or episodes, whichever the pairs are clustered by.
+    pub clusters: usize,
     /// Two-sided p-value.
     pub p: f64,
     /// The same, adjusted by Holm for all systems that are compared with the first one.
@@ -311,6 +313,7 @@ fn success_test(differences: &Samples, by: ClusteredBy) -> SuccessTest {
         only_first: differences.values().filter(|d| **d < 0.0).count(),
         only_other: differences.values().filter(|d| **d > 0.0).count(),
         pairs: differences.len(),
+        clusters: sums.len(),
         p,
         p_holm: p,
     }

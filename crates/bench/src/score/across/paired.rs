@@ -90,6 +90,19 @@ pub fn mcnemar(differences: &[i64]) -> f64 {
     sums.map(|(_, chance)| chance).sum::<f64>().min(1.0)
 }
 
+/// The lowest p-value that [`mcnemar`] can have for so many clusters: that of systems of which one
+/// alone succeeds in all of them.
+///
+/// ```
+/// use openbench_bench::score::across::paired::lowest_p;
+///
+/// // Five worlds show nothing at 5 %, whatever happens in them.
+/// assert_eq!((lowest_p(5), lowest_p(6)), (0.0625, 0.03125));
+/// ```
+pub fn lowest_p(clusters: usize) -> f64 {
+    libm::pow(0.5, clusters as f64 - 1.0).min(1.0)
+}
+
 /// The p-values of several tests, adjusted so that the chance of any false discovery is that of one
 /// test (S. Holm, Scandinavian Journal of Statistics 6, 1979).
 ///
@@ -170,6 +183,16 @@ mod tests {
         assert_eq!(mcnemar(&[3, 2, 1]), 0.25);
         // Also where they are many pairs in few clusters.
         assert_eq!(mcnemar(&[1001; 5]), 0.0625);
+    }
+
+    #[test]
+    fn no_outcome_has_a_lower_p_than_the_lowest() {
+        for clusters in 0..12 {
+            let p = mcnemar(&vec![1; clusters]);
+            assert!((p - lowest_p(clusters)).abs() < 1e-12, "{clusters}");
+            let unequal: Vec<i64> = (1..=clusters as i64).collect();
+            assert!(mcnemar(&unequal) >= p - 1e-12, "{clusters}");
+        }
     }
 
     #[test]
