@@ -99,6 +99,9 @@ pub struct MapReport {
     pub broken_buildings: usize,
     /// Multipolygons of other areas without an outline.
     pub broken_areas: usize,
+    /// Stretches of roads and barriers that were skipped: they have more than 5,000 nodes, or very
+    /// many of them share long lists of tags.
+    pub long_lines: usize,
     /// Rings of multipolygons that were skipped: they do not close, are holes in nothing, or many
     /// rings reuse a few ways.
     pub open_rings: usize,
@@ -274,15 +277,38 @@ impl OsmMap {
     fn add_lines(&mut self, shaper: &Shaper<'_>) {
         for way in shaper.data.ways.values() {
             if way.tags.says("highway") {
-                self.roads
-                    .extend(runs(shaper, way).into_iter().map(|run| road(way, run)));
+                let runs = self.runs(shaper, way).into_iter();
+                self.roads.extend(runs.map(|run| road(way, run)));
             }
             if is_barrier(&way.tags) {
-                let barriers = runs(shaper, way).into_iter();
+                let runs = self.runs(shaper, way).into_iter();
                 self.barriers
-                    .extend(barriers.map(|run| barrier(shaper.data, way, run)));
+                    .extend(runs.map(|run| barrier(shaper.data, way, run)));
             }
         }
+    }
+
+    /// The stretches of a way between nodes that the data lacks. Joining across a gap would invent
+    /// a road.
+    fn runs(&mut self, shaper: &Shaper<'_>, way: &Way) -> Vec<Run> {
+        let found: Vec<Option<(i64, MapPoint)>> = way
+            .nodes
+            .iter()
+            .map(|node| shaper.point(*node).map(|point| (*node, point)))
+            .collect();
+        let mut runs = Vec::new();
+        for stretch in found.split(Option::is_none).filter(|s| s.len() > 1) {
+            let mut stretch: Vec<(i64, MapPoint)> = stretch.iter().flatten().copied().collect();
+            // A road that stays at a node has no direction there.
+            stretch.dedup_by_key(|(node, _)| *node);
+            if stretch.len() > MOST_NODES || !shaper.afford(stretch.len(), &way.tags) {
+                self.report.long_lines += 1;
+            } else if stretch.len() > 1 {
+                let (nodes, points) = stretch.into_iter().unzip();
+                runs.push(Run { nodes, points });
+            }
+        }
+        runs
     }
 
     fn add_entrances(&mut self, shaper: &Shaper<'_>) {
@@ -456,33 +482,6 @@ struct Run {
     points: Vec<MapPoint>,
 }
 
-/// The stretches of a way between nodes that the data lacks. Joining across a gap would invent a
-/// road.
-fn runs(shaper: &Shaper<'_>, way: &Way) -> Vec<Run> {
-    let found: Vec<Option<(i64, MapPoint)>> = way
-        .nodes
-        .iter()
-        .map(|node| shaper.point(*node).map(|point| (*node, point)))
-        .collect();
-    let stretches = found
-        .split(Option::is_none)
-        .filter(|stretch| stretch.len() > 1);
-    let affordable = stretches.filter(|stretch| shaper.afford(stretch.len(), &way.tags));
-    affordable
-        .map(|stretch| {
-            let mut stretch: Vec<(i64, MapPoint)> = stretch.iter().flatten().copied().collect();
-            // A road that stays at a node has no direction there.
-            stretch.dedup_by_key(|(node, _)| *node);
-            stretch
-        })
-        .filter(|stretch| (2..=MOST_NODES).contains(&stretch.len()))
-        .map(|stretch| {
-            let (nodes, points) = stretch.into_iter().unzip();
-            Run { nodes, points }
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use openbench_core::LonLat;
@@ -524,12 +523,32 @@ mod tests {
     #[test]
     fn elements_without_an_outline_are_counted() {
         let expected = MapReport {
+            long_lines: 0,
             broken_buildings: 4,
             broken_areas: 0,
             open_rings: 1,
             stray_entrances: 1,
         };
         assert_eq!(court().report, expected);
+    }
+
+    #[test]
+    fn roads_and_barriers_with_too_many_nodes_are_counted() {
+        let counted = |nodes: usize| {
+            let mut text = String::from("<osm version='0.6'>");
+            for node in 1..=nodes {
+                text += &format!("<node id='{node}' lat='0' lon='{}'/>", node as f64 * 1e-5);
+            }
+            for (way, tag) in [(1, "highway' v='path"), (2, "barrier' v='fence")] {
+                let ends: String = (1..=nodes).map(|n| format!("<nd ref='{n}'/>")).collect();
+                text += &format!("<way id='{way}'>{ends}<tag k='{tag}'/></way>");
+            }
+            let data = OsmData::from_xml((text + "</osm>").as_bytes()).unwrap();
+            let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
+            (map.roads.len(), map.barriers.len(), map.report.long_lines)
+        };
+        assert_eq!(counted(MOST_NODES), (1, 1, 0));
+        assert_eq!(counted(MOST_NODES + 1), (0, 0, 2));
     }
 
     #[test]

@@ -655,6 +655,10 @@ fn broken_meshes_are_errors_with_their_file() {
         ),
         (good.replace("<vcount>3", "<vcount>4"), "more corners"),
         (
+            good.replace("offset=\"0\"", &format!("offset=\"{}\"", usize::MAX)),
+            "sane input offsets",
+        ),
+        (
             good.replace("0 2 0</float_array>", "0 x 0</float_array>"),
             "`x` is not a number",
         ),

@@ -280,6 +280,10 @@ fn report(map: &OsmMap) -> Vec<String> {
             "areas without a closed outline were left out",
         ),
         (
+            map.report.long_lines,
+            "roads and barriers have too many nodes and were left out",
+        ),
+        (
             map.report.open_rings,
             "rings of multipolygons do not close and were left out",
         ),

@@ -11,12 +11,13 @@
 //! | `sdf`, `read`, `frames`, `state`, `shape`, `sun` | the world as SDF has it |
 //! | `search` | `model://` on the search path |
 //! | `mesh` | COLLADA, OBJ, STL |
-//! | `ogre`, `builtin`, `patterns`, `images`, `looks` | materials |
+//! | `ogre`, `builtin`, `patterns`, `images`, `color`, `looks` | materials |
 //! | `forms`, `relief`, `road`, `emit`, `classes` | triangles |
 //! | `plates` | plates and doors |
 
 mod builtin;
 mod classes;
+mod color;
 mod emit;
 mod error;
 mod forms;

@@ -7,6 +7,8 @@
 
 use std::collections::BTreeMap;
 
+use super::color::color;
+
 /// One material of a script.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct OgreMaterial {
@@ -110,16 +112,11 @@ impl Script {
         let mut words = line.split_ascii_whitespace();
         let keyword = words.next().unwrap_or("");
         let values: Vec<&str> = words.collect();
-        let number = |i: usize| {
-            values
-                .get(i)
-                .and_then(|w| w.parse::<f32>().ok())
-                .filter(|v| v.is_finite())
-        };
+        let number = |i: usize| values.get(i).and_then(|w| w.parse::<f32>().ok());
         match (block, keyword) {
             ("pass", "diffuse") => {
                 if let (Some(r), Some(g), Some(b)) = (number(0), number(1), number(2)) {
-                    material.color = Some([r, g, b].map(|v| v.clamp(0.0, 1.0)));
+                    material.color = color([r, g, b]).or(material.color);
                 }
             }
             ("pass", "alpha_rejection") => {

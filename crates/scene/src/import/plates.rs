@@ -2,9 +2,10 @@
 //! whose meshes were never published: a plate is drawn in their place. Its outward normal is the
 //! model's +y, its text runs along x.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Vector2, Vector3};
+use openbench_core::address::fold_name;
 use openbench_core::{Address, MapPoint, Pose2, Pose3};
 use openbench_osm::OsmMap;
 
@@ -123,7 +124,7 @@ pub(crate) fn add_doors(
     map: &OsmMap,
     warnings: &mut Warnings,
 ) {
-    let mut known: Vec<Address> = Vec::new();
+    let mut known = BTreeSet::new();
     let mut faces = BTreeMap::new();
     let mut strays = 0;
     for plate in plates {
@@ -137,10 +138,10 @@ pub(crate) fn add_doors(
         let named = map.buildings.get(building).and_then(|b| b.name.clone());
         let building = named.unwrap_or_else(|| format!("building{}", building + 1));
         let address = Address::new(building, format!("unit{}", plate.unit));
-        if known.iter().any(|a| a.same_door(&address)) {
+        // Units are numbers here, so doors are the same if their buildings' names are.
+        if !known.insert((fold_name(&address.building), plate.unit)) {
             warnings.add(format!("two doors have the address {address}"));
         }
-        known.push(address.clone());
         let text = format!("UNIT {}", plate.unit);
         let face = *faces
             .entry(plate.unit)

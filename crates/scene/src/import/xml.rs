@@ -8,6 +8,7 @@ use std::str::FromStr;
 use openbench_core::input;
 use roxmltree::{Document, Node, ParsingOptions, TextPos};
 
+use super::color::color;
 use super::error::ImportError;
 
 /// Largest XML or mesh file that is read, bytes.
@@ -154,9 +155,7 @@ pub(crate) fn child_color(
         return Ok(None);
     };
     let values: Vec<f32> = list(path, node)?;
-    Ok(values
-        .get(..3)
-        .map(|c| [c[0], c[1], c[2]].map(|v| v.clamp(0.0, 1.0))))
+    Ok(values.get(..3).and_then(|c| color([c[0], c[1], c[2]])))
 }
 
 fn clip(word: &str) -> String {

@@ -125,10 +125,11 @@ impl Streams {
         let wrong =
             |what: &str| malformed(dae.path, primitive, format!("this primitive has no {what}"));
         // The inputs share one list: a corner has as many indices as the highest offset requires.
-        let width = children(primitive, "input").map(offset).max().unwrap_or(0) + 1;
-        if width > 64 {
+        let highest = children(primitive, "input").map(offset).max().unwrap_or(0);
+        if highest >= 64 {
             return Err(wrong("sane input offsets"));
         }
+        let width = highest + 1;
         let vertex = input(primitive, "VERTEX").ok_or_else(|| wrong("input VERTEX"))?;
         let vertices = dae
             .target(vertex, "source")

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
+use super::super::color::color;
 use super::super::xml::{child, child_text, children, is};
 use super::dae_document::Dae;
 use super::part::MeshMaterial;
@@ -92,7 +93,7 @@ fn read_effect(dae: &Dae, effect: Node) -> MeshMaterial {
             .split_ascii_whitespace()
             .map_while(|w| w.parse().ok())
             .collect();
-        Some([*values.first()?, *values.get(1)?, *values.get(2)?].map(|v| v.clamp(0.0, 1.0)))
+        color([*values.first()?, *values.get(1)?, *values.get(2)?])
     };
     let color = diffuse
         .and_then(|d| child(d, "color"))

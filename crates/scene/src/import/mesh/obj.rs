@@ -9,6 +9,7 @@ use std::str::SplitAsciiWhitespace;
 
 use nalgebra::Point3;
 
+use super::super::color::color;
 use super::super::error::{ImportError, ObjError};
 use super::super::xml::read_text;
 use super::part::{CornerKey, Joiner, MAX_TRIANGLES, Mesh, MeshMaterial, Part};
@@ -159,7 +160,7 @@ fn materials(text: &str) -> Vec<NamedMaterial> {
         material.color = if material.image.is_some() {
             [1.0; 3]
         } else {
-            material.color.map(|c| c.clamp(0.0, 1.0))
+            color(material.color).unwrap_or([1.0; 3])
         };
     }
     found
