@@ -114,8 +114,7 @@ fn unpack(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogE
         });
     }
     match header.compression {
-        b"" => unpack_stored(header.records, offset, frames),
-        b"zstd" => unpack_zstd(chunk, offset, frames),
+        b"" | b"zstd" => unpack_known(chunk, offset, frames),
         other => {
             let compression = String::from_utf8_lossy(other);
             let problem = format!(
@@ -129,25 +128,9 @@ fn unpack(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogE
     }
 }
 
-fn unpack_stored(mut records: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogError> {
-    let mut position = offset;
-    loop {
-        match next_frame(&mut records, &mut position)? {
-            Next::Frame(frame) => frames.push(frame),
-            Next::End => return Ok(()),
-            Next::Truncated(_) => {
-                return Err(LogError::Truncated {
-                    offset,
-                    what: "chunk",
-                });
-            }
-        }
-    }
-}
-
 /// Passes the chunk, as a file of one record, to the `mcap` crate, which decompresses it and checks
 /// its CRC.
-fn unpack_zstd(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogError> {
+fn unpack_known(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogError> {
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
@@ -194,7 +177,6 @@ fn chunk_error(error: mcap::McapError, offset: u64) -> LogError {
 struct ChunkHeader<'a> {
     unpacked: u64,
     compression: &'a [u8],
-    records: &'a [u8],
 }
 
 impl<'a> ChunkHeader<'a> {
@@ -206,16 +188,11 @@ impl<'a> ChunkHeader<'a> {
         // CRC.
         fields.take(4)?;
         let compression = fields.text()?;
-        let packed = fields.u64()?;
-        let records = fields.rest();
-        // A truncated chunk declares more bytes than it has.
-        let end = usize::try_from(packed)
-            .unwrap_or(usize::MAX)
-            .min(records.len());
+        // Packed length: a truncated chunk declares more bytes than it has.
+        fields.u64()?;
         Some(Self {
             unpacked,
             compression,
-            records: &records[..end],
         })
     }
 }

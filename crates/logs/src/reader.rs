@@ -377,6 +377,37 @@ mod tests {
         ));
     }
 
+    #[test]
+    fn a_changed_byte_of_a_chunk_is_noticed_whether_it_is_compressed_or_not() {
+        for compression in [None, Some(mcap::Compression::Zstd)] {
+            let mut bytes = Cursor::new(Vec::new());
+            let options = mcap::WriteOptions::new().compression(compression);
+            let mut writer = options.create(&mut bytes).unwrap();
+            let channel = writer
+                .add_channel(0, "/note", "cdr", &Default::default())
+                .unwrap();
+            // Bytes that hardly compress, or few would be left of them.
+            let noise = |i: u32| (i.wrapping_mul(2_654_435_761) >> 13) as u8;
+            let body: Vec<u8> = (0..300).map(noise).collect();
+            for sequence in 0..20 {
+                let header = mcap::records::MessageHeader {
+                    channel_id: channel,
+                    sequence,
+                    log_time: u64::from(sequence),
+                    publish_time: u64::from(sequence),
+                };
+                writer.write_to_known_channel(&header, &body).unwrap();
+            }
+            writer.finish().unwrap();
+            drop(writer);
+            let mut bytes = bytes.into_inner();
+            assert!(matches!(read(&bytes), (20, None)), "{compression:?}");
+            bytes[300] ^= 1;
+            let (_, error) = read(&bytes);
+            assert!(matches!(error, Some(LogError::Damaged { .. })), "{error:?}");
+        }
+    }
+
     proptest! {
         #[test]
         fn damaged_logs_do_not_panic(at in 0usize..3000, value: u8, cut in 0usize..6000) {
