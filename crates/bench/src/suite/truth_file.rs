@@ -4,6 +4,15 @@ use openbench_core::MapPoint;
 
 use crate::line_problem::LineProblem;
 
+/// A line of a truth file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TruthLine {
+    /// Number of the line in its file, from 1; empty lines count.
+    pub number: usize,
+    /// The true positions.
+    pub points: Vec<MapPoint>,
+}
+
 /// Parses the points of each line that is not empty, in the `map` frame.
 ///
 /// # Errors
@@ -13,19 +22,20 @@ use crate::line_problem::LineProblem;
 /// use openbench_bench::suite::truth_file::parse_truth;
 ///
 /// let lines = parse_truth("(1.66, -24.35)\n(-2.59, -27.03) (0.85, -27.57)\n").unwrap();
-/// assert_eq!((lines[0].len(), lines[1].len()), (1, 2));
+/// assert_eq!((lines[0].points.len(), lines[1].points.len()), (1, 2));
 /// assert_eq!(parse_truth("(1.66; -24.35)").unwrap_err().line, 1);
 /// ```
-pub fn parse_truth(text: &str) -> Result<Vec<Vec<MapPoint>>, LineProblem> {
+pub fn parse_truth(text: &str) -> Result<Vec<TruthLine>, LineProblem> {
     let lines = (1..)
         .zip(text.lines())
         .filter(|(_, line)| !line.trim().is_empty());
     lines
         .map(|(number, line)| {
-            parse_line(line.trim()).ok_or_else(|| LineProblem {
+            let points = parse_line(line.trim()).ok_or_else(|| LineProblem {
                 line: number,
                 problem: problem(line),
-            })
+            })?;
+            Ok(TruthLine { number, points })
         })
         .collect()
 }
@@ -63,11 +73,15 @@ mod tests {
     #[test]
     fn a_line_has_one_or_several_points() {
         let lines = parse_truth("(1.66, -24.35)\n\n(-2.59, -27.03) (0.85, -27.57)\n").unwrap();
-        assert_eq!(lines[0], [MapPoint::new(1.66, -24.35)]);
-        assert_eq!(
-            lines[1],
-            [MapPoint::new(-2.59, -27.03), MapPoint::new(0.85, -27.57)]
-        );
+        let first = TruthLine {
+            number: 1,
+            points: vec![MapPoint::new(1.66, -24.35)],
+        };
+        let second = TruthLine {
+            number: 3,
+            points: vec![MapPoint::new(-2.59, -27.03), MapPoint::new(0.85, -27.57)],
+        };
+        assert_eq!(lines, [first, second]);
         assert!(parse_truth("").unwrap().is_empty());
     }
 

@@ -8,7 +8,7 @@ use openbench_scene::Door;
 use crate::BenchError;
 use crate::line_problem::LineProblem;
 use crate::plural::count;
-use crate::suite::truth_file::parse_truth;
+use crate::suite::truth_file::{TruthLine, parse_truth};
 use crate::suite::{Episode, Suite};
 
 /// Maximum distance between a true position and the plate of its door.
@@ -99,23 +99,24 @@ pub(super) fn read_truths(
         );
         return Err(BenchError::bad_file(path, problem));
     }
-    (1..)
-        .zip(lines.iter().zip(&suite.episodes))
-        .map(|(line, (points, episode))| doors_of_line(path, line, points, episode, doors))
+    lines
+        .iter()
+        .zip(&suite.episodes)
+        .map(|(line, episode)| doors_of_line(path, line, episode, doors))
         .collect()
 }
 
-/// The doors at the true positions in a line, from 1, of a truth file.
+/// The doors at the true positions in a line of a truth file.
 fn doors_of_line(
     path: &Path,
-    line: usize,
-    points: &[MapPoint],
+    line: &TruthLine,
     episode: &Episode,
     doors: &[Door],
 ) -> Result<Vec<usize>, BenchError> {
+    let TruthLine { number, points } = line;
     let found: Vec<usize> = points
         .iter()
-        .map(|&point| door_at(path, line, point, doors))
+        .map(|&point| door_at(path, *number, point, doors))
         .collect::<Result<_, _>>()?;
     // Without annotation the file alone says how many doors there are.
     if episode.deliveries.is_empty() || found.len() == episode.deliveries.len() {
@@ -123,7 +124,7 @@ fn doors_of_line(
     }
     let named: Vec<String> = episode.deliveries.iter().map(Address::to_string).collect();
     let problem = format!(
-        "line {line}: {} true positions, but the annotation names {} doors ({})",
+        "line {number}: {} true positions, but the annotation names {} doors ({})",
         found.len(),
         named.len(),
         named.join("; ")

@@ -138,8 +138,9 @@ pub fn evaluate(log: &Path, truth: &Path, sequence: bool) -> Result<Evaluation, 
         })
     };
     let tasks = at(log, parse_log(&read(log)?))?;
-    let lines = at(truth, parse_truth(&read(truth)?))?;
-    let episodes = group_truths(lines, sequence).map_err(|source| mismatch(truth, source))?;
+    let lines = at(truth, parse_truth(&read(truth)?))?.into_iter();
+    let points = lines.map(|line| line.points).collect();
+    let episodes = group_truths(points, sequence).map_err(|source| mismatch(truth, source))?;
     score(&tasks, &episodes).map_err(|source| mismatch(truth, source))
 }
 
