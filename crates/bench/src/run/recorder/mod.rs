@@ -73,7 +73,7 @@ const MOVERS_PERIOD_NS: u64 = 200_000_000;
 /// The frame of the true pose: clouds and images lie where they were taken.
 const BASE: &str = "base_link";
 /// The frame of the pose that the agent believes.
-const BELIEVED: &str = "base_link_believed";
+const ESTIMATED: &str = "base_link_estimated";
 
 /// Simulated faults of the sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -266,7 +266,7 @@ impl Recorder {
             Event::Path(points) => log.write("/path", time, &PathMessage::over(header(), points)),
             Event::PoseEstimate(estimate) => {
                 log.write("/pose", time, &stamped(header(), estimate.pose))?;
-                write_pose(log, time, BELIEVED, estimate.pose.to_pose3(0.0))
+                write_pose(log, time, ESTIMATED, estimate.pose.to_pose3(0.0))
             }
             Event::Costmap(grid) => log.write("/costmap", time, &occupancy(header(), grid)),
             Event::Waypoints(poses) => {
