@@ -9,13 +9,14 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::BenchError;
+use crate::score::Results;
 
 /// Bound for recordings, results and maps of a run. That of an hour has a few megabytes.
 const MOST_BYTES: u64 = 256 << 20;
 /// Name of the file with the parameters.
 pub(super) const RUN: &str = "run.json";
 /// Name of the file with the results.
-pub(super) const RESULTS: &str = "results.json";
+pub(super) const RESULTS: &str = Results::FILE;
 /// Name of the file with the report.
 pub(super) const REPORT: &str = "report.html";
 /// Folder, in a run's folder, with the files of the episodes.

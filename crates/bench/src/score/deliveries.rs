@@ -167,7 +167,7 @@ pub fn score_written_doors(prepared: &Prepared, traces: &[EpisodeTrace]) -> Opti
             address: door.address.clone(),
             position: match door.doorway {
                 Some(doorway) => doorway.point(),
-                None => doorway_behind(&map, door.point(), door.facing),
+                None => doorway_behind(map, door.point(), door.facing),
             },
         })
         .collect();

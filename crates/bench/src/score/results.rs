@@ -296,6 +296,9 @@ impl DeliveryResult {
 }
 
 impl Results {
+    /// Name of the file in the folder of a run.
+    pub const FILE: &str = "results.json";
+
     /// These results without machine-dependent times. Two runs of the same episodes
     /// have equal machine-independent results.
     pub fn machine_independent(&self) -> Self {

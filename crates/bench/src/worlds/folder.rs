@@ -142,7 +142,7 @@ fn draw(prepared: &mut Prepared, request: DrawRequest) -> DoorCounts {
     let candidates: Vec<Address> = reachable
         .iter()
         .filter(|door| door.point().distance(start) <= request.max_distance_m)
-        .filter(|door| is_unique(&map, &door.address))
+        .filter(|door| is_unique(map, &door.address))
         .map(|door| door.address.clone())
         .collect();
     let counts = DoorCounts {

@@ -53,6 +53,8 @@ pub struct Prepared {
     pub robot: RobotDescription,
     /// The time limit of a delivery that agents are told: it follows from the public map alone.
     pub public_time_limit: Duration,
+    /// The public map, in metres.
+    public_map: OsmMap,
     /// The free space of people; `None` in a world without traffic.
     people_space: Option<FreeSpace>,
     /// The file with the true positions of the doors, if one was given.
@@ -116,6 +118,7 @@ impl Prepared {
             episodes,
             robot,
             public_time_limit,
+            public_map,
             people_space,
             truth,
         })
@@ -131,8 +134,8 @@ impl Prepared {
     }
 
     /// The public map, in metres in the `map` frame.
-    pub fn osm_map(&self) -> OsmMap {
-        OsmMap::new(&self.world.map, self.world.georeference)
+    pub fn osm_map(&self) -> &OsmMap {
+        &self.public_map
     }
 
     /// Whether a map has doors of this world exactly where they are. A robot measures doors to
@@ -160,7 +163,7 @@ impl Prepared {
         let space = self.people_space.as_ref()?;
         let fits = |at: MapPoint| space.is_reachable(at);
         Some(Traffic::new(
-            &self.osm_map(),
+            self.osm_map(),
             fits,
             self.suite.traffic,
             self.world.start.point(),

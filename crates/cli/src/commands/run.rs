@@ -104,7 +104,7 @@ fn resume(
         finished,
     }) = interrupted(out)?
     else {
-        let results = out.join("results.json");
+        let results = out.join(Results::FILE);
         if !results.exists() {
             anyhow::bail!("{} contains no run that was interrupted", out.display());
         }

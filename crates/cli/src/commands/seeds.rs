@@ -50,7 +50,7 @@ pub fn drive_each(
 
 /// Refuses a folder with a single run, which would be taken for all the seeds.
 fn refuse_single_run(out: &Path) -> anyhow::Result<()> {
-    if out.join("results.json").exists() {
+    if out.join(Results::FILE).exists() {
         anyhow::bail!(
             "{} has a single run; choose another folder for the seeds with --out",
             out.display()

@@ -14,7 +14,6 @@ use openbench_core::{Event, Events, MapPoint, Pose2, RobotDescription, SimTime, 
 use openbench_localization::Localizer;
 use openbench_motion::LocalPlanner;
 use openbench_motion::costmap::Preferences;
-use openbench_osm::OsmMap;
 use openbench_sim::noise::Noise;
 use openbench_sim::traffic::Encounters;
 use openbench_sim::{Collision, OBSERVATION_NS, Simulator};
@@ -171,7 +170,6 @@ fn nothing(traffic: TrafficPlan) -> PeopleResult {
 /// The destinations of the drives.
 struct Course<'a> {
     prepared: &'a Prepared,
-    map: OsmMap,
     /// The approach points of the reachable doors.
     places: Vec<MapPoint>,
 }
@@ -184,17 +182,13 @@ impl<'a> Course<'a> {
                        another world";
             return Err(BenchError::world(why));
         }
-        Ok(Self {
-            prepared,
-            map: prepared.osm_map(),
-            places,
-        })
+        Ok(Self { prepared, places })
     }
 
     fn terrain(&self) -> Result<Terrain, BenchError> {
         let Prepared { world, robot, .. } = self.prepared;
         Terrain::new(
-            self.map.clone(),
+            self.prepared.osm_map().clone(),
             None,
             world.start.point(),
             robot,

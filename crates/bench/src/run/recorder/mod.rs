@@ -166,7 +166,7 @@ impl Recorder {
             faults: Faults::default(),
             scenery: Some(Scenery {
                 projection: Projection::new(prepared.world.georeference),
-                map: markers::of_map(&prepared.osm_map()),
+                map: markers::of_map(prepared.osm_map()),
                 doors: markers::of_doors(&prepared.world.scene.doors),
             }),
             has_begun: false,

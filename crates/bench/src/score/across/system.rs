@@ -7,8 +7,6 @@ use crate::score::Results;
 
 /// Folders below a folder of runs that are searched for results.
 const DEPTH: usize = 3;
-/// Name of the file with the results of a run.
-const RESULTS: &str = "results.json";
 
 /// A system: an agent with settings, in one run or in several.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +42,7 @@ impl System {
 
 /// Finds the files of results in a folder: its own, or those of the folders in it.
 fn find(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) {
-    let own = folder.join(RESULTS);
+    let own = folder.join(Results::FILE);
     if own.is_file() {
         found.push(own);
         return;
