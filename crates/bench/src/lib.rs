@@ -34,7 +34,7 @@ pub use openbench_sim::traffic::TrafficPlan;
 pub use run::{
     AgentFactory, AgentRequest, Agents, EpisodeEnd, Faults, ImuRange, InterruptedRun, Level,
     MEMORY_BEFORE, Observer, Rollout, RunRecord, RunRequest, Status, Truth, TruthHandle,
-    UNFINISHED, Unfinished, done_before, interrupted, memory_of, repeat, run, verify,
+    UNFINISHED, Unfinished, done_before, interrupted, memory_of, repeat, run, verify, verify_agent,
 };
 pub use score::Results;
 pub use score::provenance::{Build, ModelDigest, Setting};

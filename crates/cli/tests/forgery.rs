@@ -80,8 +80,21 @@ fn deed(place: &Place, kind: &str, change: impl FnOnce(&mut Value)) {
 fn reseal(place: &Place) {
     let run = place.path("forged");
     let record = RunRecord::read(&run).unwrap();
-    let recording = Recording::read(&run, 1).unwrap();
-    recording.sealed(&record, 1).write(&run, 1).unwrap();
+    record.write(&run).unwrap();
+    for episode in 0..2 {
+        let recording = Recording::read(&run, episode).unwrap();
+        recording
+            .sealed(&record, episode)
+            .write(&run, episode)
+            .unwrap();
+    }
+}
+
+/// Edits the record, seals the recordings anew, and makes the same claim in the results.
+fn claim(place: &Place, record_of: impl FnOnce(&mut Value), results_of: impl FnOnce(&mut Value)) {
+    record(place, record_of);
+    results(place, results_of);
+    reseal(place);
 }
 
 fn remove(place: &Place, name: &str) {
@@ -108,7 +121,12 @@ fn exchange(place: &Place, name: &str) {
     std::fs::copy(from, place.path("forged").join(name)).unwrap();
 }
 
-const RESULTS: [(&str, Forgery); 24] = [
+const RESULTS: [(&str, Forgery); 25] = [
+    ("a key twice", |p| {
+        let text = p.read("forged/results.json");
+        let twice = text.replacen("{", "{ \"agent\": \"mine\",", 1);
+        p.file("forged/results.json", twice);
+    }),
     ("a better rate", |p| {
         results(p, |r| r["metrics"]["sr_2m"] = json!(0.987))
     }),
@@ -227,6 +245,66 @@ const RECORD: [(&str, Forgery); 16] = [
     }),
     ("the record of another run", |p| exchange(p, "run.json")),
     ("no record", |p| remove(p, "run.json")),
+];
+
+/// Claims about the agent, in the record that the recordings are sealed with and in the results; and
+/// what `verify` names of them.
+const CLAIMS: [(&str, Forgery); 6] = [
+    ("in_force.reader.default", |p| {
+        // a departure denied
+        let default = json!({"value": "ppocr-v4", "default": true});
+        claim(
+            p,
+            |r| r["in_force"]["reader"] = default.clone(),
+            |r| r["settings"]["reader"] = default.clone(),
+        )
+    }),
+    ("models", |p| {
+        // a setting denied in all places
+        let default = json!({"value": "ppocr-v4", "default": true});
+        claim(
+            p,
+            |r| {
+                r["in_force"]["reader"] = default.clone();
+                r["settings"] = json!({});
+            },
+            |r| r["settings"]["reader"] = default.clone(),
+        )
+    }),
+    ("uses_truth", |p| {
+        // a truth that it was not told
+        claim(
+            p,
+            |r| r["uses_truth"] = json!(true),
+            |r| r["provenance"]["uses_truth"] = json!(true),
+        )
+    }),
+    ("cannot_repeat", |p| {
+        // an agent that cannot repeat
+        let reason = json!("a person drove");
+        claim(
+            p,
+            |r| r["cannot_repeat"] = reason.clone(),
+            |r| r["provenance"]["cannot_repeat"] = reason.clone(),
+        )
+    }),
+    ("models", |p| {
+        // other models
+        let models = json!([{"name": "m", "sha256": "00"}]);
+        claim(
+            p,
+            |r| r["models"] = models.clone(),
+            |r| r["provenance"]["models"] = models.clone(),
+        )
+    }),
+    ("memory.doors", |p| {
+        // a smaller memory
+        claim(
+            p,
+            |r| r["memory"]["doors"] = json!(0),
+            |r| r["memory"]["doors"] = json!(0),
+        )
+    }),
 ];
 
 const ACTIONS: [(&str, Forgery); 22] = [
@@ -392,6 +470,23 @@ fn every_forged_edited_or_damaged_run_is_refused() {
         assert!(code == 1 || code == 2, "{name}: {code} {said}");
         let place = said.contains("forged") || said.contains("episode");
         assert!(place, "{name}: neither file nor episode is named: {said}");
+    }
+}
+
+#[test]
+fn what_a_sealed_record_claims_of_its_agent_is_compared_with_the_agent() {
+    let place = runs();
+    let forged = place.path("forged");
+    for (named, forge) in CLAIMS {
+        copy(&place.path("run"), &forged);
+        forge(&place);
+        let said = place.openbench("verify forged");
+        assert_eq!(said.code, 1, "{named}: {}", said.stderr);
+        let claim = format!("run.json is not what the run gives: {named}");
+        assert!(said.stderr.contains(&claim), "{named}: {}", said.stderr);
+        // Nor does it help that the agent repeats its actions.
+        assert_ne!(place.openbench("verify forged --agent").code, 0, "{named}");
+        std::fs::remove_dir_all(&forged).unwrap();
     }
 }
 

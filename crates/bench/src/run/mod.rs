@@ -45,4 +45,4 @@ pub use registry::{AgentFactory, AgentRequest, Agents};
 pub use request::{EpisodeEnd, RunRequest, Unfinished};
 pub use rollout::{Rollout, Status};
 pub use truth::{Truth, TruthHandle};
-pub use verify::verify;
+pub use verify::{verify, verify_agent};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use openbench_osm::merge_entrances;
+use openbench_osm::{OsmData, merge_entrances};
 use serde::{Deserialize, Serialize};
 
 use super::files::{RUN, read_json, write_json};
@@ -80,7 +80,7 @@ impl RunRecord {
             episodes: prepared.episodes.len(),
             logs: request.level,
             command: request.command.to_owned(),
-            memory: memory_use(request),
+            memory: request.memory.map(|memory| memory_use(prepared, memory)),
             memory_file: request.memory_file.map(Path::to_owned),
             truth: prepared.truth.clone(),
             hashes: Hashes::of(prepared)?,
@@ -166,13 +166,12 @@ impl RunRecord {
 }
 
 /// What a memory adds to the public map.
-fn memory_use(request: &RunRequest<'_>) -> Option<MemoryUse> {
-    let memory = request.memory?;
-    let mut merged = request.prepared.world.map.clone();
-    Some(MemoryUse {
+pub(super) fn memory_use(prepared: &Prepared, memory: &OsmData) -> MemoryUse {
+    let mut merged = prepared.world.map.clone();
+    MemoryUse {
         doors: merge_entrances(&mut merged, memory),
         hash: hash_bytes(&memory.to_xml()),
-    })
+    }
 }
 
 /// The model name of the processor, where Linux tells.

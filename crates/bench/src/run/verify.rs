@@ -7,15 +7,16 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::episodes::{replay_sealed, report_of};
-use super::files::{REPORT, RESULTS, read_file, read_json};
+use super::files::{REPORT, RESULTS, RUN, read_file, read_json};
 use super::folder::{MEMORY_BEFORE, UNFINISHED, memory_of, run_files};
 use super::output::FinishedRun;
-use super::record::RunRecord;
+use super::record::{RunRecord, memory_use};
 use super::recorder::Level;
 use super::recording::{FileHashes, Recording};
+use super::registry::AgentFactory;
 use super::threads;
 use crate::BenchError;
 use crate::score::results::Results;
@@ -44,6 +45,7 @@ pub fn verify(
     progress: &mut dyn FnMut(),
 ) -> Result<(), BenchError> {
     check_files(run, record)?;
+    check_text(&run.join(RUN), &serde_json::to_vec(record))?;
     check_inputs(run, record, prepared)?;
     let traces = threads::each(
         0..record.episodes,
@@ -67,6 +69,43 @@ pub fn verify(
     )
 }
 
+/// What the record in the folder `run` says of its agent and memory is what the agent says of the
+/// same settings, and the memory of the same map. A record that was sealed anew can claim
+/// otherwise.
+///
+/// # Errors
+/// [`BenchError::Altered`] with the first difference, or a memory that cannot be read.
+pub fn verify_agent(
+    run: &Path,
+    record: &RunRecord,
+    prepared: &Prepared,
+    factory: &dyn AgentFactory,
+) -> Result<(), BenchError> {
+    let settings = &record.settings;
+    let memory = memory_of(run)?;
+    let claimed = json!({
+        "in_force": record.in_force,
+        "models": record.models,
+        "uses_truth": record.uses_truth,
+        "cannot_repeat": record.cannot_repeat,
+        "memory": record.memory,
+    });
+    let found = json!({
+        "in_force": factory.in_force(settings),
+        "models": factory.models(settings),
+        "uses_truth": factory.uses_truth(settings),
+        "cannot_repeat": factory.cannot_repeat(settings),
+        "memory": memory.map(|memory| memory_use(prepared, &memory)),
+    });
+    match difference("", &claimed, &found) {
+        Some(detail) => Err(BenchError::Altered {
+            path: run.join(RUN),
+            detail,
+        }),
+        None => Ok(()),
+    }
+}
+
 /// Every file of the run is there, and none of another run.
 fn check_files(run: &Path, record: &RunRecord) -> Result<(), BenchError> {
     let altered = |name: &str, detail: &str| {
@@ -81,7 +120,7 @@ fn check_files(run: &Path, record: &RunRecord) -> Result<(), BenchError> {
             "a run was interrupted here; complete it with `openbench run --resume`",
         );
     }
-    let mut expected = BTreeSet::from(["run.json", RESULTS, REPORT].map(str::to_owned));
+    let mut expected = BTreeSet::from([RUN, RESULTS, REPORT].map(str::to_owned));
     expected.extend(record.memory.as_ref().map(|_| MEMORY_BEFORE.to_owned()));
     let found = run_files(run)?;
     if let Some(missing) = expected.iter().find(|name| !found.contains(*name)) {
@@ -91,7 +130,7 @@ fn check_files(run: &Path, record: &RunRecord) -> Result<(), BenchError> {
     for number in 0..record.episodes {
         let recording = Recording::read(run, number)?;
         if (record.logs == Level::None) != recording.files.log.is_none() {
-            return altered("run.json", "it and the recordings disagree about logs");
+            return altered(RUN, "it and the recordings disagree about logs");
         }
         expected.extend(names(number, &recording.files));
     }
@@ -129,13 +168,13 @@ fn check_inputs(run: &Path, record: &RunRecord, prepared: &Prepared) -> Result<(
     let other = other.or((then.truth != now.truth).then_some("file of true positions"));
     if let Some(what) = other {
         return Err(BenchError::Altered {
-            path: run.join("run.json"),
+            path: run.join(RUN),
             detail: format!("the {what} is another one than that of the run"),
         });
     }
     if record.episodes != prepared.episodes.len() {
         return Err(BenchError::Altered {
-            path: run.join("run.json"),
+            path: run.join(RUN),
             detail: "its number of episodes is not that of its suite".to_owned(),
         });
     }
@@ -168,6 +207,7 @@ fn check_results(run: &Path, finished: &FinishedRun<'_>) -> Result<(), BenchErro
     }
     // With the times of the file, which the report shows.
     let results = Results::read(&path)?;
+    check_text(&path, &computed.with_times_of(&results).to_json())?;
     let report = report_of(finished, &results);
     let path = run.join(REPORT);
     if read_file(&path)? != report.as_bytes() {
@@ -178,6 +218,22 @@ fn check_results(run: &Path, finished: &FinishedRun<'_>) -> Result<(), BenchErro
         });
     }
     Ok(())
+}
+
+/// The text of a JSON file is the one that we write. Of a key that it has twice, we read the last
+/// value, and other programs perhaps the first.
+fn check_text(path: &Path, expected: &serde_json::Result<Vec<u8>>) -> Result<(), BenchError> {
+    let is_ours = expected
+        .as_ref()
+        .is_ok_and(|text| read_file(path).is_ok_and(|t| t == *text));
+    if is_ours {
+        return Ok(());
+    }
+    let detail = "its values are right, but it is written otherwise, such as with a key twice";
+    Err(BenchError::Altered {
+        path: path.to_owned(),
+        detail: detail.to_owned(),
+    })
 }
 
 /// The first place at which two values differ, in words; `at` is the place of both.
@@ -229,8 +285,6 @@ fn short(value: &Value) -> String {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
 
     #[test]

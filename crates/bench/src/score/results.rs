@@ -311,6 +311,23 @@ impl Results {
         results
     }
 
+    /// These results with the machine-dependent times of others.
+    pub(crate) fn with_times_of(mut self, other: &Self) -> Self {
+        self.metrics.wall_seconds = other.metrics.wall_seconds;
+        self.metrics.real_time_factor = other.metrics.real_time_factor;
+        if let (Some(models), Some(other)) = (&mut self.models, &other.models) {
+            models.latency_ms = other.latency_ms;
+        }
+        self
+    }
+
+    /// The content of the file.
+    pub(crate) fn to_json(&self) -> serde_json::Result<Vec<u8>> {
+        let mut json = serde_json::to_vec_pretty(self)?;
+        json.push(b'\n');
+        Ok(json)
+    }
+
     /// Writes the results to `path`, through a temporary file that is renamed: `path` never
     /// contains a partial file.
     ///
@@ -321,11 +338,10 @@ impl Results {
             path: path.to_owned(),
             source,
         };
-        let mut json = serde_json::to_vec_pretty(self).map_err(|source| ResultsError::Json {
+        let json = self.to_json().map_err(|source| ResultsError::Json {
             path: path.to_owned(),
             source,
         })?;
-        json.push(b'\n');
         let partial = path.with_extension("json.partial");
         fs::write(&partial, json)
             .and_then(|()| fs::rename(&partial, path))

@@ -112,6 +112,9 @@ pub struct EvaluateArgs {
 /// Arguments of `verify`.
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
+Not checked: times of the machine, commit, processor and command line. Who made the actions is
+checked with --agent only.
+
 Examples:
   openbench verify runs/medium
   openbench verify runs/medium --agent --jobs 2")]

@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
-use openbench_bench::{Agents, Prepared, RunRecord, RunRequest, memory_of, repeat, verify};
+use openbench_bench::{
+    Agents, Prepared, RunRecord, RunRequest, memory_of, repeat, verify, verify_agent,
+};
 
 use crate::args::VerifyArgs;
+use crate::commands::run::{check_agent, prepare_agent};
 use crate::outcome::{Outcome, say, tell};
 use crate::progress::progress_bar;
 
@@ -15,16 +18,26 @@ pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     if record.episodes == 0 {
         anyhow::bail!("{} contains no episodes to verify", args.run.display());
     }
-    let run = args.run.display();
-    let episodes = record.episodes;
-    let mut said = if args.agent {
-        drive_again(&record, args, agents)?;
-        format!("{run}: {episodes} episodes: files and actions agree, and the agent repeats them\n")
+    if args.agent {
+        // In the order of `run`: settings before the world, downloads after it.
+        check_repeatable(&record, args, agents)?;
+    }
+    let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
+    let unchecked = check_claims(&record, &prepared, args, agents)?;
+    replay(&record, &prepared, args)?;
+    if args.agent {
+        drive_again(&record, &prepared, args, agents)?;
+    }
+    let (run, episodes) = (args.run.display(), record.episodes);
+    let repeats = if args.agent {
+        ", and the agent repeats them"
     } else {
-        let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
-        replay(&record, &prepared, args)?;
-        format!("{run}: {episodes} episodes: files and actions agree\n")
+        ""
     };
+    let mut said = format!("{run}: {episodes} episodes: files and actions agree{repeats}\n");
+    if let Some(reason) = unchecked {
+        said += &format!("{run}: what it says of its agent cannot be checked: {reason}\n");
+    }
     if let Some(reason) = &record.cannot_repeat {
         said += &format!("{run}: who made the actions cannot be checked: {reason}\n");
     }
@@ -63,25 +76,49 @@ fn replay(record: &RunRecord, prepared: &Prepared, args: &VerifyArgs) -> anyhow:
     Ok(())
 }
 
-/// Compares the files, and the actions of the agent that is run again.
-fn drive_again(record: &RunRecord, args: &VerifyArgs, agents: &Agents) -> anyhow::Result<()> {
+/// Compares what the record says of its agent with the agent. In words, why that is impossible.
+fn check_claims(
+    record: &RunRecord,
+    prepared: &Prepared,
+    args: &VerifyArgs,
+    agents: &Agents,
+) -> anyhow::Result<Option<String>> {
+    let factory = match agents.get(&record.agent) {
+        Ok(factory) => factory.as_ref(),
+        Err(unknown) => return Ok(Some(unknown.to_string())),
+    };
+    if let Err(unknown) = factory.check(&record.settings) {
+        return Ok(Some(unknown.to_string()));
+    }
+    verify_agent(&args.run, record, prepared, factory)?;
+    Ok(None)
+}
+
+/// Refuses an agent that cannot be run again.
+fn check_repeatable(record: &RunRecord, args: &VerifyArgs, agents: &Agents) -> anyhow::Result<()> {
     if let Some(reason) = &record.cannot_repeat {
         let run = args.run.display();
         anyhow::bail!("the agent of {run} cannot be run again: {reason}; leave --agent out");
     }
+    check_agent(agents.get(&record.agent)?.as_ref(), &record.settings)
+}
+
+/// Compares the actions of the agent that is run again.
+fn drive_again(
+    record: &RunRecord,
+    prepared: &Prepared,
+    args: &VerifyArgs,
+    agents: &Agents,
+) -> anyhow::Result<()> {
     let factory = agents.get(&record.agent)?.as_ref();
-    // In the order of `run`: settings before the world, downloads after it.
-    super::run::check_agent(factory, &record.settings)?;
-    let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
-    replay(record, &prepared, args)?;
     let memory = memory_of(&args.run)?;
-    super::run::prepare_agent(factory, &record.settings)?;
+    prepare_agent(factory, &record.settings)?;
     let bar = progress_bar(prepared.episodes.len(), "driving again");
     let request = RunRequest {
         jobs: usize::from(args.jobs),
         memory: memory.as_ref(),
         progress: &|end| bar.set_position(end.ended as u64),
-        ..record.request(&prepared, factory)
+        ..record.request(prepared, factory)
     };
     repeat(&request, &args.run)?;
     bar.finish_and_clear();
