@@ -5,7 +5,7 @@ mod common;
 
 use common::Place;
 use common::endpoint::{UNIT_1, reader_that_says};
-use common::town::{NOBODY, town};
+use common::town::{NOBODY, deliver, town};
 
 /// A street with houses: one named, one with street and number, one with nothing, and one that
 /// crosses itself.
@@ -298,6 +298,19 @@ fn an_earlier_world_is_replaced_and_nothing_else() {
     place
         .openbench("world generate --map village.osm --out village.osm")
         .refused_with(&["village.osm", "file"]);
+    // Files that only have the names of ours.
+    std::fs::create_dir(place.path("mine")).unwrap();
+    for name in ["map.osm", "suite.toml"] {
+        place.file(&format!("mine/{name}"), "mine");
+        place
+            .openbench("world generate --map village.osm --out mine")
+            .refused_with(&["mine", "do not belong to a world"]);
+        assert_eq!(place.read(&format!("mine/{name}")), "mine");
+        std::fs::remove_file(place.path(&format!("mine/{name}"))).unwrap();
+    }
+    place
+        .openbench("world generate --map village.osm --out mine")
+        .succeeded();
 }
 
 #[test]
@@ -442,7 +455,8 @@ fn the_map_of_a_world_is_no_memory_of_a_run() {
     place
         .openbench("world generate --map village.osm --out w")
         .succeeded();
-    for own in ["village.osm", "w/map.osm"] {
+    place.file("copy.osm", place.read("w/map.osm"));
+    for own in ["village.osm", "copy.osm"] {
         let words = format!("run w --set reader={NOBODY} --memory {own}");
         place
             .openbench(&words)
@@ -450,7 +464,26 @@ fn the_map_of_a_world_is_no_memory_of_a_run() {
     }
     assert!(!place.path("runs").exists());
     // The public map has no doors, so it tells nothing.
-    let words = "run w --agent random --record none --memory w/public.osm --out run";
+    place.file("public.osm", place.read("w/public.osm"));
+    let words = "run w --agent random --record none --memory public.osm --out run";
     place.openbench(words).succeeded();
     assert_eq!(place.json("run/results.json")["memory"]["doors"], 0);
+}
+
+#[test]
+fn a_memory_replaces_nothing_that_the_run_reads_or_writes() {
+    let place = generated("");
+    std::fs::create_dir(place.path("out")).unwrap();
+    let run = "run w --agent random --record none --out out --memory";
+    for input in ["w/map.osm", "w/public.osm", "w/new.osm", "out/results.json"] {
+        place
+            .openbench(&format!("{run} {input}"))
+            .refused_with(&[input, "would be replaced"]);
+    }
+    let town = town();
+    let before = town.read("town.osm");
+    let words =
+        format!("--deliveries one.txt --targets planner --memory town.osm --set reader={NOBODY}");
+    deliver(&town, &words).refused_with(&["town.osm", "would be replaced"]);
+    assert_eq!(town.read("town.osm"), before);
 }

@@ -1,6 +1,6 @@
 //! The source of a world, as data; nothing is loaded here.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -31,4 +31,21 @@ pub enum WorldSource {
         /// The folder.
         path: PathBuf,
     },
+}
+
+impl WorldSource {
+    /// The files, and the folders with all their files, that the world is made of.
+    pub fn paths(&self) -> Vec<&Path> {
+        match self {
+            Self::Builtin { .. } => Vec::new(),
+            Self::Imported {
+                world, map, models, ..
+            } => [world, map]
+                .into_iter()
+                .chain(models)
+                .map(PathBuf::as_path)
+                .collect(),
+            Self::Folder { path } => vec![path],
+        }
+    }
 }

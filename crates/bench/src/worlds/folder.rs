@@ -177,10 +177,12 @@ fn refuse_others(folder: &Path) -> Result<(), BenchError> {
         };
     };
     let ours = [RECIPE, MAP, PUBLIC, SUITE];
-    let foreign = entries
-        .filter_map(Result::ok)
-        .any(|e| !ours.iter().any(|name| e.file_name() == *name));
-    if foreign {
+    let names: Vec<_> = entries.flatten().map(|e| e.file_name()).collect();
+    let has_recipe = names.iter().any(|name| name == RECIPE);
+    let are_ours = names.iter().all(|name| ours.iter().any(|our| name == our));
+    // Without a recipe, files with our names are somebody's own.
+    let may_go = names.is_empty() || (has_recipe && are_ours);
+    if !may_go {
         bad("the folder contains files that do not belong to a world; use another folder")
     } else {
         Ok(())

@@ -53,6 +53,9 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
         .into_iter()
         .chain(args.memory.clone());
     spare(&args.out, &read.collect::<Vec<_>>())?;
+    if let Some(memory) = &args.memory {
+        spare_inputs(memory, &prepared.suite.world, args)?;
+    }
     let memory = args
         .memory
         .as_deref()
@@ -205,6 +208,40 @@ fn refuse_own_map(prepared: &Prepared, memory: &OsmData, args: &RunArgs) -> anyh
         );
     }
     Ok(())
+}
+
+/// Refuses a memory that is another input of the run, or a file of its results: it is written when
+/// the run is complete.
+fn spare_inputs(memory: &Path, world: &WorldSource, args: &RunArgs) -> anyhow::Result<()> {
+    let results = ["run.json", Results::FILE, "report.html"].map(|name| args.out.join(name));
+    let named = [&args.deliveries, &args.truth].into_iter().flatten();
+    let suite = args.suite.as_ref().map(PathBuf::from);
+    let inputs = world.paths().into_iter().map(Path::to_owned);
+    let all = inputs.chain(named.cloned()).chain(suite).chain(results);
+    // A file that does not exist yet lies where its folder is.
+    let whole = |path: &Path| {
+        let folder = path.parent().filter(|folder| *folder != Path::new(""));
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+        path.canonicalize()
+            .ok()
+            .or(Some(folder.join(path.file_name()?)))
+    };
+    let Some(memory) = whole(memory) else {
+        // The error is that of the file that cannot be written.
+        return Ok(());
+    };
+    match all
+        .into_iter()
+        .find(|path| whole(path).is_some_and(|path| memory.starts_with(path)))
+    {
+        Some(path) => anyhow::bail!(
+            "{} belongs to {}, and would be replaced when the run is complete; name another file, \
+             which may be a new one, or copy it",
+            memory.display(),
+            path.display()
+        ),
+        None => Ok(()),
+    }
 }
 
 /// Refuses an input file that the run itself would replace or remove.
