@@ -102,14 +102,18 @@ path.display(), at.x, at.y
     },
     /// The model that was asked to plan has never answered.
     #[error(
-        "episode {episode}: {detail}; no delivery was attempted. To let the grammar plan where \
-         the model does not, name both: --set planner=MODEL,grammar"
+        "episode {episode}: {detail}; the run ends, since no model has answered. To let {fallback} \
+         stand in where the model does not answer, name both: --set {part}=MODEL,{fallback}"
     )]
     Unreachable {
         /// Episode number, from 0.
         episode: usize,
         /// What the agent reports.
         detail: String,
+        /// The setting of the part that asked.
+        part: &'static str,
+        /// What can stand in for it.
+        fallback: &'static str,
     },
     /// The log of an episode cannot be written.
     #[error(transparent)]

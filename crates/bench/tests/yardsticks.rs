@@ -3,7 +3,9 @@
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use openbench_bench::report::terminal_table;
 use openbench_bench::run::registry::{AgentError, AgentSettings};
+use openbench_bench::score::results::DeliveryResult;
 use openbench_bench::{
     AgentFactory, AgentRequest, Prepared, Results, RunRequest, builtin_suite, run, yardsticks,
 };
@@ -52,6 +54,27 @@ fn a_straight_line_and_chance_are_lower_bounds() {
         assert!(results.metrics.sr_2m.unwrap() < 0.5, "{agent}");
         assert!(results.provenance.uses_truth);
     }
+}
+
+#[test]
+fn who_scrapes_along_a_wall_has_few_collisions_and_long_contact() {
+    let results = results(&SMALL, "straight-line");
+    for delivery in &results.deliveries {
+        let classes = delivery.collisions_by_class.values();
+        let (count, contact_s) = classes.fold((0, 0.0), |(count, contact_s), sum| {
+            (count + sum.count, contact_s + sum.contact_s)
+        });
+        assert_eq!(count, delivery.collisions);
+        assert!(
+            (contact_s - delivery.contact_s).abs() < 1e-9,
+            "{delivery:?}"
+        );
+        assert!(contact_s < delivery.sim_seconds, "{delivery:?}");
+    }
+    // It drives into the wall until it is given up.
+    let scrapes = |d: &&DeliveryResult| d.collisions == 1 && d.contact_s > 10.0;
+    assert!(results.deliveries.iter().filter(scrapes).count() > 2);
+    assert!(terminal_table(&results).contains("contact  "));
 }
 
 #[test]

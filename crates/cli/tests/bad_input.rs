@@ -3,6 +3,7 @@
 
 mod common;
 
+use common::endpoint::babbler;
 use common::town::{HERE, NOBODY, deliver, map, prison, town, world};
 use common::{Place, Ran};
 
@@ -74,7 +75,10 @@ fn what_is_left_out_of_a_map_is_said() {
     );
     let ran = deliver(
         &place,
-        &format!("--deliveries one.txt --targets planner --set reader={NOBODY}"),
+        &format!(
+            "--deliveries one.txt --targets planner --set reader={}",
+            babbler()
+        ),
     );
     assert!(
         ran.succeeded().stderr.contains("town.osm: 1 element"),
@@ -117,7 +121,10 @@ fn a_door_that_the_world_lacks_is_named_with_those_it_has() {
     place.file("one.txt", "Bring this to unit7, building1.");
     let ran = deliver(
         &place,
-        &format!("--deliveries one.txt --targets planner --set reader={NOBODY}"),
+        &format!(
+            "--deliveries one.txt --targets planner --set reader={}",
+            babbler()
+        ),
     );
     let said = &ran.succeeded().stderr;
     assert!(

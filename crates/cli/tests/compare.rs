@@ -72,12 +72,20 @@ fn systems_are_compared_and_what_they_were_told_is_said() {
     let place = place();
     for agent in ["omniscient", "random"] {
         let words = format!("--agent {agent} --seeds 0..1 --out {agent}");
-        drive(&place, &words).succeeded();
+        let said = drive(&place, &words);
+        let told = &said.succeeded().stdout;
+        assert!(
+            told.contains(&format!("{agent}: {agent}, 2 runs of town")),
+            "{told}"
+        );
+        assert!(told.contains("this run is a yardstick"), "{told}");
+        let means = place.json(&format!("{agent}/means.json"));
+        assert_eq!(means["system"]["agent"], *agent);
     }
     let ran = place.openbench("compare omniscient random");
     let text = &ran.succeeded().stdout;
     for part in [
-        "A  omniscient: omniscient, 2 runs",
+        "A  omniscient: omniscient, 2 runs of town",
         "this run is a yardstick",
         "only A succeeded",
         "McNemar p =",

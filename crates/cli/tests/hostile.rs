@@ -4,7 +4,8 @@
 mod common;
 
 use common::Place;
-use common::town::{HERE, NOBODY, deliver, map, town};
+use common::endpoint::babbler;
+use common::town::{HERE, deliver, map, town};
 
 const DELIVER: &str = "--deliveries one.txt --targets planner";
 
@@ -104,7 +105,7 @@ fn a_log_without_an_imu_gives_no_empty_trajectory() {
     // A thin log has scans, but no IMU.
     deliver(
         &place,
-        &format!("{DELIVER} --out run --set reader={NOBODY}"),
+        &format!("{DELIVER} --out run --set reader={}", babbler()),
     )
     .succeeded();
     place

@@ -37,6 +37,9 @@ const WORDS: &str = "--deliveries three.txt --targets planner";
 const RUN: &str = "--deliveries three.txt --targets planner --out run \
                    --set reader=replay:answers.jsonl --memory doors.osm";
 
+/// A run with any seed, for which no answers of a model are recorded.
+const AT_RANDOM: &str = "--deliveries three.txt --targets planner --out run --agent random";
+
 /// Starts `openbench run` in the background.
 fn start(place: &Place, more: &str) -> Child {
     let words = format!("{HERE} {more}");
@@ -185,14 +188,14 @@ fn signals_end_a_run_in_order_and_it_can_be_resumed() {
 #[test]
 fn old_results_stay_until_new_ones_are_complete() {
     let place = prepared();
-    deliver(&place, &format!("{RUN} --seed 1")).succeeded();
+    deliver(&place, &format!("{AT_RANDOM} --seed 1")).succeeded();
     let before = files(&place.path("run"));
-    let mut child = start(&place, RUN);
+    let mut child = start(&place, AT_RANDOM);
     wait_for(&place.path("run/unfinished/episodes/000.actions.json"));
     child.kill().unwrap();
     child.wait().unwrap();
     assert_eq!(differences(&before, &files(&place.path("run"))), [""; 0]);
-    let discarded = deliver(&place, &format!("{RUN} --discard --seed 2"));
+    let discarded = deliver(&place, &format!("{AT_RANDOM} --discard --seed 2"));
     discarded.succeeded();
     assert_eq!(place.json("run/results.json")["seed"], 2);
     assert!(!place.path("run/unfinished").exists());
@@ -246,8 +249,7 @@ fn what_cannot_be_resumed_is_refused() {
 #[test]
 fn several_seeds_are_continued_where_they_were_stopped() {
     let place = prepared();
-    let seeds = "--deliveries three.txt --targets planner --out many --seeds 1..2 \
-                 --set reader=replay:answers.jsonl";
+    let seeds = "--deliveries three.txt --targets planner --out many --seeds 1..2 --agent random";
     deliver(&place, seeds).succeeded();
     let of = |place: &Place, seed: u32| files(&place.path(&format!("many/seed-{seed}")));
     let (first, second) = (of(&place, 1), of(&place, 2));

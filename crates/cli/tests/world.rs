@@ -4,7 +4,7 @@
 mod common;
 
 use common::Place;
-use common::endpoint::{UNIT_1, reader_that_says};
+use common::endpoint::{UNIT_1, babbler, reader_that_says};
 use common::town::{NOBODY, deliver, town};
 
 /// A street with houses: one named, one with street and number, one with nothing, and one that
@@ -326,7 +326,8 @@ fn a_gazebo_world_becomes_such_a_folder() {
         "{recipe}"
     );
     let ran = place.openbench(&format!(
-        "run w --out run --record none --set reader={NOBODY}"
+        "run w --out run --record none --set reader={}",
+        babbler()
     ));
     ran.succeeded();
 }
@@ -399,7 +400,7 @@ fn what_is_left_out_of_a_world_is_said_when_it_is_made_and_when_it_is_run() {
         "{said}"
     );
     assert!(said.contains("village.osm: 1 element"), "{said}");
-    let ran = place.openbench(&format!("run w --set reader={NOBODY}"));
+    let ran = place.openbench(&format!("run w --set reader={}", babbler()));
     let said = &ran.succeeded().stderr;
     assert!(
         said.contains("1 buildings without a closed outline"),

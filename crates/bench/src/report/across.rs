@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::plural::count;
-use crate::score::across::comparison::{Difference, Row, SuccessTest};
+use crate::score::across::comparison::{Compared, Difference, Row, SuccessTest};
 use crate::score::across::means::Mean;
 use crate::score::across::paired::lowest_p;
 use crate::score::across::{ClusteredBy, Comparison, Means, Unit};
@@ -19,12 +19,8 @@ const RUNS_SHOWN: usize = 5;
 pub fn comparison_table(comparison: &Comparison) -> String {
     let mut out = String::new();
     for (number, system) in comparison.systems.iter().enumerate() {
-        let runs = count(system.runs, "run", "runs");
-        let agent = &system.agent;
-        let _ = writeln!(out, "{}  {}: {agent}, {runs}", letter(number), system.name);
-        for departure in &system.departures {
-            let _ = writeln!(out, "   {departure}");
-        }
+        let _ = write!(out, "{}  ", letter(number));
+        heading(&mut out, system);
     }
     if comparison.systems.len() == 1 {
         out.push('\n');
@@ -41,6 +37,30 @@ pub fn comparison_table(comparison: &Comparison) -> String {
     }
     to_tell(&mut out, comparison);
     out
+}
+
+/// Name, agent and runs of a system, and what has to be known before any number.
+fn heading(out: &mut String, system: &Compared) {
+    let suites: Vec<&str> = system.suites.iter().map(String::as_str).collect();
+    let _ = writeln!(
+        out,
+        "{}: {}, {} of {}",
+        system.name,
+        system.agent,
+        count(system.runs, "run", "runs"),
+        suites.join(", ")
+    );
+    for departure in &system.departures {
+        let _ = writeln!(out, "   {departure}");
+    }
+    if system.silent_divergences > 0 {
+        let episodes = count(system.silent_divergences, "episode", "episodes");
+        let _ = writeln!(
+            out,
+            "   warning: the pose was wrong by more than 1 m while the agent reported good health, \
+             in {episodes}"
+        );
+    }
 }
 
 /// The letter by which a table names a system.
@@ -180,6 +200,8 @@ fn to_tell(out: &mut String, comparison: &Comparison) {
 /// Means over runs, with the value of each of the first few.
 pub fn means_table(means: &Means) -> String {
     let mut out = String::new();
+    heading(&mut out, &means.system);
+    out.push('\n');
     let shown_seeds = means.seeds.iter().take(RUNS_SHOWN);
     let heads: String = shown_seeds
         .map(|seed| format!(" {:>9}", format!("seed {seed}")))

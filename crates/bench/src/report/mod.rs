@@ -9,6 +9,7 @@
 //! | `headline` | the headline metrics by both criteria |
 //! | `tiles` | these with their intervals, side by side |
 //! | `reference` | what others achieve in the same suite |
+//! | `contacts` | collisions by class, in words |
 //! | `table` | one row per delivery |
 //! | `map` | the map of an episode, as SVG |
 //! | `drift` | the localization error over time |
@@ -17,6 +18,7 @@
 //! | `terminal` | the same metrics as plain text for a terminal |
 
 mod across;
+mod contacts;
 mod drift;
 mod frames;
 mod from_run;
@@ -95,13 +97,14 @@ fn header(out: &mut String, input: &ReportInput<'_>) {
         out,
         "<header>\n<p class=\"kicker\">OpenBench report</p>\n<h1>{}</h1>\n\
          <p class=\"facts\">agent <b>{}</b> · seed <b>{}</b> · version <b>{}</b> · \
-         {} in {}</p>\n</header>\n",
+         {} in {} · targets {}</p>\n</header>\n",
         escape(&results.suite),
         escape(&results.agent),
         results.seed,
         escape(&results.version),
         count(results.deliveries.len(), "delivery", "deliveries"),
         count(html::episode_count(results), "episode", "episodes"),
+        results.targets.description(),
     );
 }
 

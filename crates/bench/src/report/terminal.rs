@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use openbench_core::{Health, PlanPart};
 
+use super::contacts;
 use super::headline::{self, Headline};
 use super::html::{number, percent};
 use crate::plural::{count, plural};
@@ -45,6 +46,7 @@ pub fn terminal_table(results: &Results) -> String {
     out.push('\n');
     summary(&mut out, &results.metrics);
     health(&mut out, results);
+    let _ = writeln!(out, "targets  {}", results.targets.description());
     if let Some(doors) = results.doors {
         let _ = writeln!(out, "doors    {}", doors.describe());
     }
@@ -174,6 +176,9 @@ fn summary(out: &mut String, m: &Metrics) {
         )),
         collisions(m)
     );
+    if !m.collisions_by_class.is_empty() {
+        let _ = writeln!(out, "contact  {}", contacts::by_class(m));
+    }
     let _ = writeln!(out, "motion   {}", m.smoothness.describe(m.path_m));
     if let Some(encounters) = m.encounters {
         let _ = writeln!(out, "traffic  {}", encounters.describe());

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::contacts;
 use super::headline::{self, Headline};
 use super::html::{escape, number, percent};
 use super::reference;
@@ -133,15 +134,10 @@ fn facts(out: &mut String, results: &Results) {
 }
 
 fn collisions(metrics: &Metrics) -> String {
-    let classes: Vec<String> = metrics
-        .collisions_by_class
-        .iter()
-        .map(|(class, sum)| format!("{} {class}", sum.count))
-        .collect();
-    if classes.is_empty() {
+    if metrics.collisions_by_class.is_empty() {
         return metrics.collisions.to_string();
     }
-    format!("{} ({})", metrics.collisions, classes.join(", "))
+    format!("{} ({})", metrics.collisions, contacts::by_class(metrics))
 }
 
 /// A duration as seconds, minutes and seconds, or hours and minutes.

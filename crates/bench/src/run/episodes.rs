@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
-use openbench_core::{Agent, FailureCause, Velocity};
+use openbench_core::{Agent, Velocity};
 use openbench_models::Exchanges;
 use openbench_sim::Simulator;
 use sha2::{Digest, Sha256};
@@ -20,6 +20,7 @@ use crate::run::files::{
 use crate::run::folder::{RunFolder, interrupted_in};
 use crate::run::observer::Observer;
 use crate::run::output::{FinishedRun, MachineTimes, RunOutput};
+use crate::run::reached::Reached;
 use crate::run::record::RunRecord;
 use crate::run::recorder::Recorder;
 use crate::run::recording::{FileHashes, Recording, replay};
@@ -113,7 +114,7 @@ fn drive_all(
     let began = Instant::now();
     // CPU time of the whole process: plate readers may have threads of their own.
     let cpu = ProcessTime::now();
-    let (reached, resumed) = (AtomicBool::new(false), AtomicBool::new(false));
+    let (reached, resumed) = (Reached::default(), AtomicBool::new(false));
     let sealed_with = resumed_record(request, record, into)?;
     let record = sealed_with.as_ref().unwrap_or(record);
     let traces = for_each_episode(request, |number| {
@@ -122,16 +123,15 @@ fn drive_all(
             return Err(BenchError::Interrupted);
         }
         let finished = into.and_then(|run| finished_episode(request, record, run, number));
-        let trace = match finished {
+        match finished {
             Some(trace) => {
                 // Relaxed suffices: the flag is read after all threads have ended.
                 resumed.store(true, Ordering::Relaxed);
-                trace
+                reached.note(&trace);
+                Ok(trace)
             }
-            None => run_one(request, record, into, number)?,
-        };
-        check_reached(&trace, number, &reached)?;
-        Ok(trace)
+            None => run_one(request, record, into, number, &reached),
+        }
     })?;
     let times = MachineTimes {
         wall_seconds: began.elapsed().as_secs_f64(),
@@ -260,6 +260,7 @@ fn run_one(
     record: &RunRecord,
     into: Option<&Path>,
     number: usize,
+    reached: &Reached,
 ) -> Result<EpisodeTrace, BenchError> {
     if let Some(run) = into {
         remove_files_of(run, number)?;
@@ -275,6 +276,8 @@ fn run_one(
     };
     let trace = drive(request, number, made, &mut recorder)?;
     recorder.finish()?;
+    // Before it counts as finished: when the model can be reached, it is driven again.
+    reached.check(&trace, number)?;
     if let Some(run) = into {
         if let Some(map) = &trace.map {
             write_file(&map_path(run, number), map)?;
@@ -285,32 +288,6 @@ fn run_one(
         recording.sealed(record, number).write(run, number)?;
     }
     Ok(trace)
-}
-
-/// Ends a run whose planner asks a model that has never answered: all its deliveries would fail for
-/// a reason that says nothing about the model. `reached` says whether one has answered so far.
-fn check_reached(
-    trace: &EpisodeTrace,
-    episode: usize,
-    reached: &AtomicBool,
-) -> Result<(), BenchError> {
-    // Relaxed suffices: the flag alone is shared, and it only ever rises.
-    if trace.models.calls > trace.models.failed {
-        reached.store(true, Ordering::Relaxed);
-    }
-    let gave_up = trace.tasks.iter().find_map(|task| {
-        let failure = task.failure.as_ref()?;
-        (failure.cause == FailureCause::PlannerUnavailable).then_some(failure)
-    });
-    match gave_up {
-        Some(failure) if trace.models.failed > 0 && !reached.load(Ordering::Relaxed) => {
-            Err(BenchError::Unreachable {
-                episode,
-                detail: failure.detail.clone(),
-            })
-        }
-        _ => Ok(()),
-    }
 }
 
 /// Runs the agent of a recorded run again with the recorded answers of its models, and compares its
@@ -397,42 +374,5 @@ impl Observer for StopSign<'_> {
         } else {
             Ok(())
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use openbench_core::ModelUse;
-
-    use super::*;
-    use crate::trace::{Failure, TaskOutcome};
-
-    /// An episode whose planner got no answer to some of its questions.
-    fn unanswered(calls: u32, failed: u32) -> EpisodeTrace {
-        let failure = Failure {
-            cause: FailureCause::PlannerUnavailable,
-            detail: "connection refused".into(),
-        };
-        EpisodeTrace {
-            tasks: vec![TaskOutcome::failed(0, failure)],
-            models: ModelUse {
-                calls,
-                failed,
-                ..ModelUse::default()
-            },
-            ..EpisodeTrace::default()
-        }
-    }
-
-    #[test]
-    fn a_run_ends_if_its_model_has_never_answered() {
-        let reached = AtomicBool::new(false);
-        let error = check_reached(&unanswered(1, 1), 3, &reached).unwrap_err();
-        assert!(error.to_string().contains("connection refused"), "{error}");
-        // A planner that asks no model, and one whose model answered nonsense, fail deliveries.
-        assert!(check_reached(&unanswered(0, 0), 3, &reached).is_ok());
-        assert!(check_reached(&unanswered(2, 0), 3, &reached).is_ok());
-        // Once it has answered, a silence fails a delivery only.
-        assert!(check_reached(&unanswered(1, 1), 4, &reached).is_ok());
     }
 }

@@ -8,6 +8,7 @@
 //! | `episode` | [`run_episode`]: one episode driven by an agent |
 //! | `request` | [`RunRequest`]: the input of a run |
 //! | `episodes` | [`run`] and [`repeat`]: all episodes of a suite, on several threads |
+//! | `reached` | whether the models of a run can be reached at all |
 //! | `output` | [`RunOutput`]: results and merged map |
 //! | `folder` | the folder of a run: one process at a time, nothing lost |
 //! | `files` | the files in it: names, reading, writing |
@@ -24,6 +25,7 @@ mod files;
 mod folder;
 mod observer;
 mod output;
+mod reached;
 pub mod record;
 pub mod recorder;
 pub mod recording;

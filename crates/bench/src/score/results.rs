@@ -311,6 +311,13 @@ impl Results {
         results
     }
 
+    /// Number of episodes in which the pose was wrong by more than a metre while the agent reported
+    /// good health.
+    pub fn silent_divergences(&self) -> usize {
+        let sums = self.episodes.iter().filter_map(|e| e.localization);
+        sums.filter(|sum| sum.silent_divergences > 0).count()
+    }
+
     /// These results with the machine-dependent times of others.
     pub(crate) fn with_times_of(mut self, other: &Self) -> Self {
         self.metrics.wall_seconds = other.metrics.wall_seconds;

@@ -59,6 +59,11 @@ pub fn reader_that_says(answer: &'static str) -> String {
     endpoint(move |_, _| says(answer))
 }
 
+/// A reader that answers what no reader says: the delivery fails where it is asked first.
+pub fn babbler() -> String {
+    reader_that_says("I see a door.")
+}
+
 /// The body of the one request of a connection. A client that has gone needs no answer.
 fn read(stream: &TcpStream) -> Option<String> {
     let mut request = BufReader::new(stream);

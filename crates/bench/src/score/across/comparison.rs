@@ -95,8 +95,13 @@ pub struct Compared {
     pub agent: String,
     /// Number of its runs.
     pub runs: usize,
+    /// The suites that they ran.
+    pub suites: BTreeSet<String>,
     /// In what they depart from the defaults, each once.
     pub departures: Vec<String>,
+    /// Number of episodes in which the pose was wrong by more than a metre while the agent reported
+    /// good health.
+    pub silent_divergences: usize,
 }
 
 /// A measure of all systems.
@@ -231,7 +236,7 @@ fn covers(first: &System, second: &System) -> Result<(), CompareError> {
     }
 }
 
-fn compared(system: &System) -> Compared {
+pub(super) fn compared(system: &System) -> Compared {
     let mut all: BTreeSet<String> = system.runs.iter().flat_map(departures).collect();
     let commits: BTreeSet<&String> = system
         .runs
@@ -241,7 +246,10 @@ fn compared(system: &System) -> Compared {
     if commits.len() > 1 {
         all.insert("its runs were made by programs of several commits".to_owned());
     }
+    let suites = system.runs.iter().map(|run| run.suite.clone());
     Compared {
+        suites: suites.collect(),
+        silent_divergences: system.runs.iter().map(Results::silent_divergences).sum(),
         name: system.name.clone(),
         agent: system
             .runs

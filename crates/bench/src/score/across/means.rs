@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::comparison::{Compared, compared};
 use super::measures::{MEASURES, Measure, Unit};
 use super::paired::interval_of_mean;
 use super::samples::{ClusteredBy, clustered_by, clusters, mean, samples, setups};
@@ -12,6 +13,8 @@ use crate::worlds::Hashes;
 /// Means over the runs of a system, with intervals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Means {
+    /// Agent and suites, and what has to be known before any number.
+    pub system: Compared,
     /// Seeds of the runs, in their order.
     pub seeds: Vec<u64>,
     /// What the intervals are clustered by.
@@ -40,6 +43,7 @@ pub fn means(system: &System, seed: u64) -> Means {
     let by = clustered_by(system);
     let measures = MEASURES.iter();
     Means {
+        system: compared(system),
         seeds: system.runs.iter().map(|run| run.seed).collect(),
         clustered_by: by,
         measures: measures
