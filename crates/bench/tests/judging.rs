@@ -6,7 +6,9 @@ use openbench_bench::{
     AgentFactory, AgentRequest, Episode, Prepared, Results, RunRecord, RunRequest, Truth,
     builtin_suite, run, verify, yardsticks,
 };
-use openbench_core::{Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
+use openbench_core::{
+    Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, MapPoint, Observation, Pose2,
+};
 
 fn address(building: u32, unit: u32) -> Address {
     Address {
@@ -121,6 +123,29 @@ fn the_right_door_under_a_wrong_address_is_not_delivered() {
     assert_eq!(delivery.failure, Some(FailureCause::WrongPlace));
     let detail = delivery.failure_detail.as_deref().unwrap_or_default();
     assert!(detail.contains("unit1, building3"), "{detail}");
+}
+
+#[test]
+fn straight_lines_are_measured_from_where_the_episode_starts() {
+    let mut prepared = prepared(&[address(3, 1)]);
+    let door = |address: &Address| {
+        let doors = &prepared.world.scene.doors;
+        doors.iter().position(|d| d.address == *address).unwrap()
+    };
+    let (from, to) = (door(&address(1, 1)), door(&address(3, 1)));
+    let start = prepared.approach[from].unwrap();
+    let plate = prepared.world.scene.doors[to].point();
+    // The world's start is its origin.
+    assert!((start.distance(plate) - MapPoint::default().distance(plate)).abs() > 1.0);
+    prepared.world.start = Pose2::new(start.x, start.y, 0.0);
+    let agents = yardsticks::agents();
+    let factory = agents.get("omniscient").unwrap().as_ref();
+    let results = run(&RunRequest::new(&prepared, "omniscient", factory))
+        .unwrap()
+        .results;
+    let delivery = &results.deliveries[0];
+    assert!(delivery.success_2m);
+    assert!((delivery.straight_line_m - start.distance(plate)).abs() < 1e-9);
 }
 
 /// A way through all three buildings.

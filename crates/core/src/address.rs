@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 /// assert!(address.same_door(&Address::new("Building 3", "Unit 1")));
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Address {
     /// Name of the building. Where several have the name, the area follows:
     /// `building3, Rose Estate`.

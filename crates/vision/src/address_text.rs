@@ -301,6 +301,7 @@ mod tests {
             "Il",
             "010-62781234",
             "UNIT 1-2/3",
+            "UNIT 1-4",
             "Main Street 5b",
             "UNT",
             "UNTI",

@@ -243,7 +243,7 @@ fn is_understood(episode: &PreparedEpisode, plan: &Plan) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::worlds::Target;
+    use crate::worlds::{Target, builtin_suite};
     use openbench_core::{Georeference, LonLat};
     use openbench_osm::OsmData;
     use std::f64::consts::{FRAC_PI_2, PI};
@@ -283,6 +283,35 @@ mod tests {
         // Too deep for a recess.
         let deep = MapPoint::new(9.0, 0.0);
         assert!(is_at(doorway_behind(&map, deep, PI), 10.0, 0.0));
+    }
+
+    #[test]
+    fn a_written_door_is_compared_with_the_door_that_was_made_and_not_with_its_plate() {
+        let prepared = Prepared::new(builtin_suite("small").unwrap(), None).unwrap();
+        let door = &prepared.world.scene.doors[0];
+        let (plate, doorway) = (door.point(), door.doorway.unwrap());
+        assert!(
+            plate.distance(doorway.point()) > 0.3,
+            "the plate hangs beside the door"
+        );
+        let error = |position| {
+            let address = door.address.clone();
+            let trace = EpisodeTrace {
+                map: Some(Vec::new()),
+                doors: vec![PlacedDoor { address, position }],
+                ..EpisodeTrace::default()
+            };
+            let score = score_written_doors(&prepared, &[trace]).unwrap();
+            score.mean_distance_m.unwrap()
+        };
+        assert!(error(doorway.point()) < 1e-9);
+        assert!(error(plate) > 0.3);
+        // Robots stop where one goes in, straight in front of the door.
+        let approach = prepared.approach[0].unwrap();
+        let ahead = doorway.point().distance(approach);
+        assert!(ahead > 0.1);
+        let in_front = doorway.point().offset(doorway.yaw, ahead);
+        assert!(in_front.distance(approach) < 1e-6);
     }
 
     fn plan(doors: &[&Address]) -> Plan {

@@ -101,7 +101,12 @@ impl Marker {
 impl Message for Marker {
     const DEFINITION: &'static Definition = &Definition {
         name: "visualization_msgs/Marker",
-        fields: "std_msgs/Header header\nstring ns\nint32 id\nint32 type\nint32 action\n\
+        fields: "int32 ARROW=0\nint32 CUBE=1\nint32 SPHERE=2\nint32 CYLINDER=3\n\
+                 int32 LINE_STRIP=4\nint32 LINE_LIST=5\nint32 CUBE_LIST=6\n\
+                 int32 SPHERE_LIST=7\nint32 POINTS=8\nint32 TEXT_VIEW_FACING=9\n\
+                 int32 MESH_RESOURCE=10\nint32 TRIANGLE_LIST=11\n\
+                 int32 ADD=0\nint32 MODIFY=0\nint32 DELETE=2\nint32 DELETEALL=3\n\
+                 std_msgs/Header header\nstring ns\nint32 id\nint32 type\nint32 action\n\
                  geometry_msgs/Pose pose\ngeometry_msgs/Vector3 scale\nstd_msgs/ColorRGBA color\n\
                  builtin_interfaces/Duration lifetime\nbool frame_locked\n\
                  geometry_msgs/Point[] points\nstd_msgs/ColorRGBA[] colors\n\
