@@ -286,3 +286,15 @@ fn another_program_continues_no_run() {
         .openbench("run --resume run")
         .refused_with(&["cannot be continued", "its program is another"]);
 }
+
+#[test]
+fn damaged_remains_of_a_run_are_discarded_if_asked_for() {
+    let place = prepared();
+    for damaged in ["run.json", "complete.json"] {
+        std::fs::create_dir_all(place.path("run/unfinished/episodes")).unwrap();
+        place.file(&format!("run/unfinished/{damaged}"), "{]");
+        deliver(&place, AT_RANDOM).refused_with(&[damaged]);
+        deliver(&place, &format!("{AT_RANDOM} --discard")).succeeded();
+        assert!(!place.path("run/unfinished").exists());
+    }
+}

@@ -47,7 +47,10 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     match request.out {
         None => Ok(drive_all(request, &record, None)?),
         Some(out) => {
-            let folder = RunFolder::lock(out)?;
+            let folder = match request.unfinished {
+                Unfinished::Discard => RunFolder::lock_and_discard(out)?,
+                Unfinished::Keep | Unfinished::Resume => RunFolder::lock(out)?,
+            };
             begin(request, &record, &folder, out)?;
             let driven = drive_all(request, &record, Some(&folder.unfinished()));
             let output = driven.inspect_err(|_| folder.abandon())?;

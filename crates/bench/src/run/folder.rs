@@ -56,8 +56,30 @@ impl RunFolder {
     /// that another process did not.
     ///
     /// # Errors
-    /// [`BenchError::Busy`] while another process runs there, or a folder that cannot be written.
+    /// [`BenchError::Busy`] while another process runs there, a folder that cannot be written, or a
+    /// damaged list of files.
     pub(super) fn lock(out: &Path) -> Result<Self, BenchError> {
+        let folder = Self::hold(out)?;
+        if let Some(files) = complete_files(out)? {
+            folder.exchange(&files)?;
+        }
+        Ok(folder)
+    }
+
+    /// The same, but an interrupted run is removed, however damaged it is.
+    ///
+    /// # Errors
+    /// As [`lock`](Self::lock), but for damage.
+    pub(super) fn lock_and_discard(out: &Path) -> Result<Self, BenchError> {
+        let folder = Self::hold(out)?;
+        match complete_files(out) {
+            Ok(Some(files)) => folder.exchange(&files)?,
+            Ok(None) | Err(_) => folder.discard()?,
+        }
+        Ok(folder)
+    }
+
+    fn hold(out: &Path) -> Result<Self, BenchError> {
         std::fs::create_dir_all(out).map_err(|e| BenchError::file(out, e))?;
         let path = out.join(LOCK);
         let failed = |e| BenchError::file(&path, e);
@@ -76,14 +98,19 @@ impl RunFolder {
             }
             Err(TryLockError::Error(e)) => return Err(failed(e)),
         }
-        let folder = Self {
+        Ok(Self {
             out: out.to_owned(),
             _lock: file,
-        };
-        if let Some(files) = complete_files(out)? {
-            folder.exchange(&files)?;
+        })
+    }
+
+    /// Removes what an interrupted run has left.
+    fn discard(&self) -> Result<(), BenchError> {
+        let folder = self.unfinished();
+        match std::fs::remove_dir_all(&folder) {
+            Err(e) if e.kind() != ErrorKind::NotFound => Err(BenchError::file(&folder, e)),
+            _ => Ok(()),
         }
-        Ok(folder)
     }
 
     /// The folder of the run in progress.
@@ -97,11 +124,8 @@ impl RunFolder {
         record: &RunRecord,
         memory: Option<&OsmData>,
     ) -> Result<(), BenchError> {
+        self.discard()?;
         let folder = self.unfinished();
-        match std::fs::remove_dir_all(&folder) {
-            Err(e) if e.kind() != ErrorKind::NotFound => return Err(BenchError::file(&folder, e)),
-            _ => {}
-        }
         let episodes = folder.join(EPISODES);
         std::fs::create_dir_all(&episodes).map_err(|e| BenchError::file(&episodes, e))?;
         if let Some(memory) = memory {
