@@ -149,22 +149,31 @@ impl AgentFactory for OpenFactory {
         let choices = self.catalogue.choices().into_iter();
         let setting = |choices: Choices| {
             let value = settings.get(choices.key).unwrap_or(&choices.default);
-            let setting = Setting::new(value.clone(), &choices.default);
+            let is_replaced = choices.replaced.iter().any(|word| word == value);
+            let value = if is_replaced {
+                format!("{value} (replaced)")
+            } else {
+                value.clone()
+            };
+            let setting = Setting::new(value, &choices.default);
             (choices.key.to_owned(), setting)
         };
         choices.map(setting).collect()
     }
 
     fn models(&self, settings: &AgentSettings) -> Vec<ModelDigest> {
-        let list = settings.get("reader");
-        let list = list.map_or(DEFAULT_READER, String::as_str);
-        let sets = model_files(&self.catalogue.readers, list);
+        let readers = settings.get("reader");
+        let readers = readers.map_or(DEFAULT_READER, String::as_str);
+        let sets = model_files(&self.catalogue.readers, readers);
         let files = CATALOGUE.iter().filter(|file| sets.contains(&file.set));
         let digest = |file: &ModelFile| ModelDigest {
             name: file.name.to_owned(),
             sha256: file.sha256.to_owned(),
         };
-        files.map(digest).collect()
+        let planners = settings.get("planner").map_or("", String::as_str);
+        let words = planners.split(',');
+        let words = words.chain(self.catalogue.readers.split(readers));
+        files.map(digest).chain(local_models(words)).collect()
     }
 
     fn inputs(&self, settings: &AgentSettings) -> Vec<PathBuf> {
@@ -266,6 +275,19 @@ fn fix_noise(argument: &str) -> Result<FixNoise, PartError> {
     }
 }
 
+/// The files of the models that run in this process. One that is missing ends the run later.
+fn local_models<'a>(words: impl Iterator<Item = &'a str>) -> Vec<ModelDigest> {
+    let local = |word: &str| match ModelSpec::parse(word).ok()? {
+        ModelSpec::Local(name) => {
+            let store = ModelStore::from_environment().ok()?;
+            let sha256 = store.chat_model_digest(&name).ok()?;
+            Some(ModelDigest { name, sha256 })
+        }
+        ModelSpec::Remote { .. } | ModelSpec::Replay(_) => None,
+    };
+    words.filter_map(local).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -294,6 +316,31 @@ mod tests {
             ("planner", "truth")
         ]));
         assert!(!uses(&[("localizer", "truthful")]));
+    }
+
+    #[test]
+    fn the_files_of_local_models_are_named_with_their_hash() {
+        let file = tempfile::NamedTempFile::with_suffix(".gguf").unwrap();
+        std::fs::write(file.path(), "GGUF").unwrap();
+        let path = file.path().display().to_string();
+        let open = OpenFactory::new(Catalogue::default());
+        let planner = format!("local:{path},grammar");
+        let models = open.models(&settings(&[("planner", &planner), ("reader", "truth")]));
+        assert_eq!(models.len(), 1);
+        assert_eq!((&models[0].name, models[0].sha256.len()), (&path, 64));
+    }
+
+    #[test]
+    fn a_part_in_the_place_of_another_one_is_no_default() {
+        let mut catalogue = Catalogue::default();
+        let other = catalogue.localizers.get("dead-reckoning").unwrap().clone();
+        catalogue.localizers = catalogue.localizers.with("fused", "another", other);
+        let in_force = OpenFactory::new(catalogue).in_force(&settings(&[]));
+        assert_eq!(
+            in_force["localizer"],
+            Setting::new("fused (replaced)", "fused")
+        );
+        assert!(in_force["reader"].default);
     }
 
     #[test]

@@ -38,6 +38,8 @@ pub struct Entry<P> {
     pub about: String,
     /// The part, or what makes it.
     pub part: P,
+    /// Whether it took the place of another part of this name.
+    pub replaces: bool,
 }
 
 /// A part that was found by what a user wrote.
@@ -80,6 +82,7 @@ impl<P> Entry<P> {
             name: name.into(),
             about: about.into(),
             part,
+            replaces: false,
         }
     }
 
@@ -143,7 +146,12 @@ impl<P> Registry<P> {
             // By word, since `replay:FILE` and `replay` are found by the same text.
             .find(|known| known.word() == entry.word());
         match known {
-            Some(known) => *known = entry,
+            Some(known) => {
+                *known = Entry {
+                    replaces: true,
+                    ..entry
+                };
+            }
             None => self.entries.push(entry),
         }
         self
@@ -153,6 +161,21 @@ impl<P> Registry<P> {
     #[must_use]
     pub fn with_entries(self, entries: impl IntoIterator<Item = Entry<P>>) -> Self {
         entries.into_iter().fold(self, Self::with_entry)
+    }
+
+    /// The same parts, of which none counts as taken from another one's place.
+    #[must_use]
+    pub fn as_original(mut self) -> Self {
+        self.entries
+            .iter_mut()
+            .for_each(|entry| entry.replaces = false);
+        self
+    }
+
+    /// The words of the parts that took the places of others.
+    pub fn replaced(&self) -> impl Iterator<Item = &str> {
+        let replaced = self.entries.iter().filter(|entry| entry.replaces);
+        replaced.map(Entry::word)
     }
 
     /// The part that `NAME` or `NAME:ARGUMENT` names.
@@ -271,6 +294,8 @@ mod tests {
             .map(|entry| entry.about.as_str())
             .collect();
         assert_eq!(abouts, ["new", "with an argument", "", ""]);
+        assert!(letters.replaced().eq(["a"]));
+        assert_eq!(letters.as_original().replaced().count(), 0);
     }
 
     #[test]

@@ -86,6 +86,15 @@ impl ModelStore {
             })
     }
 
+    /// SHA-256 of the file of a chat model, hexadecimal.
+    ///
+    /// # Errors
+    /// As [`chat_model`](Self::chat_model), or [`StoreError::Io`].
+    pub fn chat_model_digest(&self, name: &str) -> Result<String, StoreError> {
+        let path = self.chat_model(name)?;
+        file_digest(&path).map_err(|source| io_error(&path, source))
+    }
+
     /// Copies a chat model into the folder and returns its new path. A file of the catalogue gets
     /// its name there, others keep theirs.
     ///
@@ -229,6 +238,7 @@ mod tests {
         let there = store.add(&file).unwrap();
         assert_eq!(std::fs::read(&there).unwrap(), b"GGUF and so on");
         assert_eq!(store.chat_model("mine").unwrap(), there);
+        assert_eq!(store.chat_model_digest("mine").unwrap().len(), 64);
         assert_eq!(store.chat_model(&file.to_string_lossy()).unwrap(), file);
     }
 

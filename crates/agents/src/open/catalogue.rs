@@ -69,7 +69,9 @@ fn fixes() -> Registry<FixesPart> {
 
 /// The local planners of `openbench_motion`, with OPEN's settings.
 fn local_planners() -> LocalPlanners {
-    built_in().with_entry(teb::entry_with(settings::teb()))
+    built_in()
+        .with_entry(teb::entry_with(settings::teb()))
+        .as_original()
 }
 
 /// A robot without a receiver gets no fixes from it.

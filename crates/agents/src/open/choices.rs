@@ -20,6 +20,8 @@ pub struct Choices {
     pub values: Vec<String>,
     /// The value that it has where it is not set.
     pub default: String,
+    /// Those of the values that mean other parts than the built-in ones of these names.
+    pub replaced: Vec<String>,
 }
 
 impl Catalogue {
@@ -42,30 +44,35 @@ impl Catalogue {
                 about: "plans the deliveries of an instruction",
                 values: owned([GRAMMAR, MODEL]),
                 default: default.planner,
+                replaced: Vec::new(),
             },
             Choices {
                 key: "reader",
                 about: "reads plates; of a list (MODEL,ppocr-v4) the next one reads where one fails",
                 values: self.reader_names(),
                 default: default.reader,
+                replaced: owned(self.readers.replaced()),
             },
             Choices {
                 key: "localizer",
                 about: "estimates the robot's pose",
                 values: owned(self.localizers.names()),
                 default: default.localizer,
+                replaced: owned(self.localizers.replaced()),
             },
             Choices {
                 key: "fixes",
                 about: "measures positions, for localizers that take them",
                 values: owned(self.fixes.names()),
                 default: no_fixes.to_owned(),
+                replaced: owned(self.fixes.replaced()),
             },
             Choices {
                 key: "motion",
                 about: "local planner: turns paths into velocities",
                 values: owned(self.local_planners.names()),
                 default: default.motion,
+                replaced: owned(self.local_planners.replaced()),
             },
             Choices {
                 key: "ground",
@@ -73,18 +80,21 @@ impl Catalogue {
                 values: owned(["alike", "pavements"]),
                 // Written out: `Preferences` and the flag of `thinking` have no names of their own.
                 default: "alike".to_owned(),
+                replaced: Vec::new(),
             },
             Choices {
                 key: "budget",
                 about: "the most that an episode may ask of models",
                 values: owned(["CALLS,TOKENS,SECONDS"]),
                 default: default.budget.to_string(),
+                replaced: Vec::new(),
             },
             Choices {
                 key: "thinking",
                 about: "charged: the robot stands still while models answer",
                 values: owned(["free", "charged"]),
                 default: "free".to_owned(),
+                replaced: Vec::new(),
             },
         ]
     }

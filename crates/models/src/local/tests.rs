@@ -25,7 +25,7 @@ fn file() -> Option<PathBuf> {
     if found.is_none() {
         let _ = writeln!(
             std::io::stderr(),
-            "skipped: no small model; openbench models pull smollm2-135m-instruct"
+            "SKIPPED no small model; openbench models pull smollm2-135m-instruct"
         );
     }
     found
