@@ -335,6 +335,27 @@ mod tests {
     }
 
     #[test]
+    fn episodes_with_failures_come_first() {
+        let mut deliveries: Vec<_> = (0..3).map(|episode| delivery(episode, 0)).collect();
+        deliveries[1].success_2m = false;
+        let results = results(deliveries);
+        let numbered = |episode| EpisodeReport {
+            episode,
+            ..self::episode()
+        };
+        let input = ReportInput {
+            results: &results,
+            command: String::new(),
+            worlds: vec![world()],
+            episodes: (0..3).map(numbered).collect(),
+        };
+        let html = render(&input);
+        let places = [1, 0, 2].map(|number| html.find(&format!("id=\"episode-{number}\"")));
+        assert!(places.is_sorted() && places[0].is_some(), "{places:?}");
+        assert!(html.contains("Those with failures come first."));
+    }
+
+    #[test]
     fn a_run_without_deliveries_has_a_report() {
         let results = results(vec![]);
         let input = ReportInput {

@@ -177,7 +177,8 @@ fn summary(out: &mut String, m: &Metrics) {
         collisions(m)
     );
     if !m.collisions_by_class.is_empty() {
-        let _ = writeln!(out, "contact  {}", contacts::by_class(m));
+        let line = format!("contact  {}", contacts::by_class(m));
+        let _ = writeln!(out, "{}", pad(&line, LINE_COLUMNS).trim_end());
     }
     let _ = writeln!(out, "motion   {}", m.smoothness.describe(m.path_m));
     if let Some(encounters) = m.encounters {
@@ -265,7 +266,7 @@ fn columns(c: char) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::score::metrics::{RunTotals, summarize};
+    use crate::score::metrics::{LocalizationSum, RunTotals, summarize};
     use crate::score::results::tests::{delivery, results};
     use openbench_core::FailureCause;
 
@@ -290,6 +291,35 @@ mod tests {
         assert!(table.contains("planner unavailable"), "{table}");
         assert!(table.contains("strict   SR 88.9 % ["), "{table}");
         assert!(table.contains("member   paper SR 100.0 % ["), "{table}");
+    }
+
+    #[test]
+    fn a_silent_divergence_is_named_with_its_episode() {
+        let silent = |silent_divergences| EpisodeResult {
+            episode: 4,
+            localization: Some(LocalizationSum {
+                rmse_m: 1.5,
+                p95_m: 2.0,
+                max_m: 3.0,
+                max_yaw_rad: 0.1,
+                max_jump_m: 0.1,
+                silent_divergences,
+            }),
+            ..EpisodeResult::default()
+        };
+        let warned = |divergences| {
+            let mut results = results(vec![delivery(4, 0)]);
+            results.episodes = vec![silent(divergences)];
+            let table = terminal_table(&results);
+            let warning = table.lines().find(|line| line.starts_with("warning"));
+            warning.map(str::to_owned)
+        };
+        assert_eq!(warned(0), None);
+        let warning = warned(2).unwrap();
+        assert!(
+            warning.contains("good health") && warning.ends_with("episode 4"),
+            "{warning}"
+        );
     }
 
     #[test]
