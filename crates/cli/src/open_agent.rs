@@ -161,7 +161,7 @@ impl AgentFactory for OpenFactory {
         choices.map(setting).collect()
     }
 
-    fn models(&self, settings: &AgentSettings) -> Vec<ModelDigest> {
+    fn models(&self, settings: &AgentSettings) -> Result<Vec<ModelDigest>, AgentError> {
         let readers = settings.get("reader");
         let readers = readers.map_or(DEFAULT_READER, String::as_str);
         let sets = model_files(&self.catalogue.readers, readers);
@@ -173,7 +173,12 @@ impl AgentFactory for OpenFactory {
         let planners = settings.get("planner").map_or("", String::as_str);
         let words = planners.split(',');
         let words = words.chain(self.catalogue.readers.split(readers));
-        files.map(digest).chain(local_models(words)).collect()
+        let mut models: Vec<ModelDigest> = files.map(digest).collect();
+        for name in words.filter_map(local_model) {
+            let sha256 = ModelStore::from_environment()?.chat_model_digest(&name)?;
+            models.push(ModelDigest { name, sha256 });
+        }
+        Ok(models)
     }
 
     fn inputs(&self, settings: &AgentSettings) -> Vec<PathBuf> {
@@ -275,17 +280,12 @@ fn fix_noise(argument: &str) -> Result<FixNoise, PartError> {
     }
 }
 
-/// The files of the models that run in this process. One that is missing ends the run later.
-fn local_models<'a>(words: impl Iterator<Item = &'a str>) -> Vec<ModelDigest> {
-    let local = |word: &str| match ModelSpec::parse(word).ok()? {
-        ModelSpec::Local(name) => {
-            let store = ModelStore::from_environment().ok()?;
-            let sha256 = store.chat_model_digest(&name).ok()?;
-            Some(ModelDigest { name, sha256 })
-        }
+/// The name or path of a model that runs in this process; `None` for other words.
+fn local_model(word: &str) -> Option<String> {
+    match ModelSpec::parse(word).ok()? {
+        ModelSpec::Local(name) => Some(name),
         ModelSpec::Remote { .. } | ModelSpec::Replay(_) => None,
-    };
-    words.filter_map(local).collect()
+    }
 }
 
 #[cfg(test)]
@@ -325,8 +325,11 @@ mod tests {
         let path = file.path().display().to_string();
         let open = OpenFactory::new(Catalogue::default());
         let planner = format!("local:{path},grammar");
-        let models = open.models(&settings(&[("planner", &planner), ("reader", "truth")]));
+        let words = [("planner", planner.as_str()), ("reader", "truth")];
+        let models = open.models(&settings(&words)).unwrap();
         assert_eq!(models.len(), 1);
+        let missing = open.models(&settings(&[("planner", "local:/nowhere/m.gguf")]));
+        assert!(missing.unwrap_err().to_string().contains("/nowhere/m.gguf"));
         assert_eq!((&models[0].name, models[0].sha256.len()), (&path, 64));
     }
 

@@ -247,11 +247,11 @@ const RECORD: [(&str, Forgery); 16] = [
     ("no record", |p| remove(p, "run.json")),
 ];
 
-/// Claims about the agent, in the record that the recordings are sealed with and in the results; and
-/// what `verify` names of them.
+/// Claims about the agent in results and record, with which the recordings are sealed. The names
+/// are what `verify` says of them.
 const CLAIMS: [(&str, Forgery); 6] = [
+    // A departure denied.
     ("in_force.reader.default", |p| {
-        // a departure denied
         let default = json!({"value": "ppocr-v4", "default": true});
         claim(
             p,
@@ -259,8 +259,8 @@ const CLAIMS: [(&str, Forgery); 6] = [
             |r| r["settings"]["reader"] = default.clone(),
         )
     }),
+    // A setting denied in all places.
     ("models", |p| {
-        // a setting denied in all places
         let default = json!({"value": "ppocr-v4", "default": true});
         claim(
             p,
@@ -271,16 +271,16 @@ const CLAIMS: [(&str, Forgery); 6] = [
             |r| r["settings"]["reader"] = default.clone(),
         )
     }),
+    // A truth that it was not told.
     ("uses_truth", |p| {
-        // a truth that it was not told
         claim(
             p,
             |r| r["uses_truth"] = json!(true),
             |r| r["provenance"]["uses_truth"] = json!(true),
         )
     }),
+    // An agent that cannot repeat.
     ("cannot_repeat", |p| {
-        // an agent that cannot repeat
         let reason = json!("a person drove");
         claim(
             p,
@@ -288,8 +288,8 @@ const CLAIMS: [(&str, Forgery); 6] = [
             |r| r["provenance"]["cannot_repeat"] = reason.clone(),
         )
     }),
+    // Other models.
     ("models", |p| {
-        // other models
         let models = json!([{"name": "m", "sha256": "00"}]);
         claim(
             p,
@@ -297,8 +297,8 @@ const CLAIMS: [(&str, Forgery); 6] = [
             |r| r["provenance"]["models"] = models.clone(),
         )
     }),
+    // A smaller memory.
     ("memory.doors", |p| {
-        // a smaller memory
         claim(
             p,
             |r| r["memory"]["doors"] = json!(0),

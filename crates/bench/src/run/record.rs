@@ -63,7 +63,7 @@ impl RunRecord {
     /// The record of a run that is about to begin.
     ///
     /// # Errors
-    /// A file that has gone since the suite was prepared.
+    /// A file that has gone since the suite was prepared, or a model file that is not here.
     pub fn of(request: &RunRequest<'_>) -> Result<Self, BenchError> {
         let prepared = request.prepared;
         Ok(Self {
@@ -73,7 +73,7 @@ impl RunRecord {
             agent: request.agent.to_owned(),
             settings: request.settings.clone(),
             in_force: request.factory.in_force(request.settings),
-            models: request.factory.models(request.settings),
+            models: models_of(request.agent, request.factory, request.settings)?,
             uses_truth: request.factory.uses_truth(request.settings),
             cannot_repeat: request.factory.cannot_repeat(request.settings),
             seed: request.seed,
@@ -163,6 +163,20 @@ impl RunRecord {
         };
         (same != *self).then(|| "its settings, models or memory are others now".to_owned())
     }
+}
+
+/// The model files of an agent.
+pub(super) fn models_of(
+    name: &str,
+    factory: &dyn AgentFactory,
+    settings: &BTreeMap<String, String>,
+) -> Result<Vec<ModelDigest>, BenchError> {
+    factory
+        .models(settings)
+        .map_err(|source| BenchError::Agent {
+            name: name.to_owned(),
+            source,
+        })
 }
 
 /// What a memory adds to the public map.

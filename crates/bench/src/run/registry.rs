@@ -97,9 +97,12 @@ pub trait AgentFactory: Send + Sync {
     }
 
     /// The model files that an agent with these settings uses.
-    fn models(&self, settings: &AgentSettings) -> Vec<ModelDigest> {
+    ///
+    /// # Errors
+    /// A file that is not here.
+    fn models(&self, settings: &AgentSettings) -> Result<Vec<ModelDigest>, AgentError> {
         let _ = settings;
-        Vec::new()
+        Ok(Vec::new())
     }
 
     /// Why an agent with these settings cannot repeat what it did, so that nobody can check who

@@ -13,7 +13,7 @@ use super::episodes::{replay_sealed, report_of};
 use super::files::{REPORT, RESULTS, RUN, read_file, read_json};
 use super::folder::{MEMORY_BEFORE, UNFINISHED, memory_of, run_files};
 use super::output::FinishedRun;
-use super::record::{RunRecord, memory_use};
+use super::record::{RunRecord, memory_use, models_of};
 use super::recorder::Level;
 use super::recording::{FileHashes, Recording};
 use super::registry::AgentFactory;
@@ -74,7 +74,8 @@ pub fn verify(
 /// otherwise.
 ///
 /// # Errors
-/// [`BenchError::Altered`] with the first difference, or a memory that cannot be read.
+/// [`BenchError::Altered`] with the first difference, a memory that cannot be read, or
+/// [`BenchError::Agent`] if a model file is not here.
 pub fn verify_agent(
     run: &Path,
     record: &RunRecord,
@@ -92,7 +93,7 @@ pub fn verify_agent(
     });
     let found = json!({
         "in_force": factory.in_force(settings),
-        "models": factory.models(settings),
+        "models": models_of(&record.agent, factory, settings)?,
         "uses_truth": factory.uses_truth(settings),
         "cannot_repeat": factory.cannot_repeat(settings),
         "memory": memory.map(|memory| memory_use(prepared, &memory)),

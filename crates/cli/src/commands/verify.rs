@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use openbench_bench::{
-    Agents, Prepared, RunRecord, RunRequest, memory_of, repeat, verify, verify_agent,
+    Agents, BenchError, Prepared, RunRecord, RunRequest, memory_of, repeat, verify, verify_agent,
 };
 
 use crate::args::VerifyArgs;
@@ -90,8 +90,10 @@ fn check_claims(
     if let Err(unknown) = factory.check(&record.settings) {
         return Ok(Some(unknown.to_string()));
     }
-    verify_agent(&args.run, record, prepared, factory)?;
-    Ok(None)
+    match verify_agent(&args.run, record, prepared, factory) {
+        Err(BenchError::Agent { source, .. }) => Ok(Some(source.to_string())),
+        checked => Ok(checked.map(|()| None)?),
+    }
 }
 
 /// Refuses an agent that cannot be run again.
