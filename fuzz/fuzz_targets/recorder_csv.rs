@@ -26,7 +26,7 @@ fuzz_target!(|text: &str| {
         assert!(
             lines
                 .iter()
-                .flatten()
+                .flat_map(|line| &line.points)
                 .all(|p| p.x.is_finite() && p.y.is_finite())
         );
     }
