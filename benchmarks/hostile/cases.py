@@ -298,8 +298,8 @@ def odd_places():
         "record small --minutes 0.01 --out {}",
         "world show small --out {}",
         "world generate --map town.osm --out {}",
-        f"{HERE} --deliveries one.jsonl --set reader=replay:answers.jsonl --out {{}}",
-        f"{DELIVER} --memory {{}}",
+        f"{HERE} --deliveries one.jsonl --set reader=truth --out {{}}",
+        f"{HERE} --deliveries one.jsonl --set reader=truth --record none --out new --memory {{}}",
     ):
         for out in (
             "/dev/full",

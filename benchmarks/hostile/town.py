@@ -148,5 +148,5 @@ def write(folder, binary):
     run("record small --minutes 0.1 --out log.mcap")
     run(
         "run --world town.world --map town.osm --georef tangent:3,0 --deliveries one.jsonl "
-        "--set reader=replay:answers.jsonl --out done"
+        "--set reader=truth --out done"
     )
