@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import town
 
 HERE = "run --world town.world --map town.osm --georef tangent:3,0"
-QUICK = "--set reader=replay:answers.jsonl --record none --out new"
+QUICK = "--set reader=truth --record none --out new"
 DELIVER = f"{HERE} --deliveries one.jsonl {QUICK}"
 
 
@@ -34,7 +34,7 @@ READERS = {
     "truth.txt": f"{HERE} --deliveries one.txt --truth truth.txt {QUICK}",
     "suite.toml": f"run suite.toml {QUICK}",
     "memory.osm": f"{DELIVER} --memory memory.osm",
-    "answers.jsonl": f"{DELIVER}",
+    "answers.jsonl": f"{HERE} --deliveries one.jsonl --set reader=replay:answers.jsonl --record none --out new",
     "profile.toml": "route --map town.osm --profile profile.toml 3,0 3.0001,0",
     "graph": "route --map graph 3,0 3.0001,0",
     "town.pbf": "costmap --map town.pbf --out map.yaml",
