@@ -100,7 +100,7 @@ path.display(), at.x, at.y
         /// Distance to that door, metres.
         away: f64,
     },
-    /// The model that was asked to plan has never answered.
+    /// No model that a planner or reader asked has ever answered.
     #[error(
         "episode {episode}: {detail}; the run ends, since no model has answered. To let {fallback} \
          stand in where the model does not answer, name both: --set {part}=MODEL,{fallback}"

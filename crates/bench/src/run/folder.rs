@@ -66,10 +66,11 @@ impl RunFolder {
         Ok(folder)
     }
 
-    /// The same, but an interrupted run is removed, however damaged it is.
+    /// As [`lock`](Self::lock), but what remains of an incomplete run is removed, even if it is
+    /// damaged. A complete run still takes its place.
     ///
     /// # Errors
-    /// As [`lock`](Self::lock), but for damage.
+    /// As [`lock`](Self::lock), except for a damaged list.
     pub(super) fn lock_and_discard(out: &Path) -> Result<Self, BenchError> {
         let folder = Self::hold(out)?;
         match complete_files(out) {

@@ -1,8 +1,9 @@
 //! Whether the files of a run follow from its recorded actions.
 //!
 //! The actions are driven again in the same world. States, results and report are computed anew and
-//! compared with the files. This proves that these actions give these scores. Who made the actions
-//! is known only if the agent is run again, see [`repeat`](super::repeat).
+//! compared with the files. This proves that these actions give these scores. [`verify_agent`]
+//! compares what the record says of its agent with the agent. Who made the actions is known only if
+//! the agent is run again, see [`repeat`](super::repeat).
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -69,9 +70,9 @@ pub fn verify(
     )
 }
 
-/// What the record in the folder `run` says of its agent and memory is what the agent says of the
-/// same settings, and the memory of the same map. A record that was sealed anew can claim
-/// otherwise.
+/// Compares what the record of the run in the folder `run` says of its agent (settings in force,
+/// models, whether it was told the truth, why it cannot repeat) and of its memory with what agent
+/// and memory give. The seal does not protect these: a forger can seal an edited record anew.
 ///
 /// # Errors
 /// [`BenchError::Altered`] with the first difference, a memory that cannot be read, or
@@ -224,10 +225,8 @@ fn check_results(run: &Path, finished: &FinishedRun<'_>) -> Result<(), BenchErro
 /// The text of a JSON file is the one that we write. Of a key that it has twice, we read the last
 /// value, and other programs perhaps the first.
 fn check_text(path: &Path, expected: &serde_json::Result<Vec<u8>>) -> Result<(), BenchError> {
-    let is_ours = expected
-        .as_ref()
-        .is_ok_and(|text| read_file(path).is_ok_and(|t| t == *text));
-    if is_ours {
+    let text = read_file(path)?;
+    if expected.as_ref().is_ok_and(|expected| *expected == text) {
         return Ok(());
     }
     let detail = "its values are right, but it is written otherwise, such as with a key twice";

@@ -72,7 +72,7 @@ const MOVERS_PERIOD_NS: u64 = 200_000_000;
 
 /// The frame of the true pose: clouds and images lie where they were taken.
 const BASE: &str = "base_link";
-/// The frame of the pose that the agent believes.
+/// The frame of the pose that the agent estimates.
 const ESTIMATED: &str = "base_link_estimated";
 
 /// Simulated faults of the sensors.
