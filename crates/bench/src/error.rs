@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
+use crate::plural::count;
 use openbench_core::{MapPoint, UnknownName};
 
 /// An error that prevents a run or its verification.
@@ -102,8 +103,9 @@ path.display(), at.x, at.y
     },
     /// No model that a planner or reader asked has ever answered.
     #[error(
-        "episode {episode}: {detail}; the run ends, since no model has answered. To let {fallback} \
-         stand in where the model does not answer, name both: --set {part}=MODEL,{fallback}"
+        "episode {episode}: {detail}; the run ends, since no model has answered. To let another \
+         {part} of the agent stand in where the model does not answer, name it after the model: \
+         --set {part}=MODEL,OTHER"
     )]
     Unreachable {
         /// Episode number, from 0.
@@ -112,8 +114,6 @@ path.display(), at.x, at.y
         detail: String,
         /// The setting of the part that asked.
         part: &'static str,
-        /// What can stand in for it.
-        fallback: &'static str,
     },
     /// The log of an episode cannot be written.
     #[error(transparent)]
@@ -135,8 +135,9 @@ path.display(), at.x, at.y
     },
     /// The folder contains a run that was interrupted.
     #[error(
-        "{folder} contains an interrupted run with {finished} of {episodes} episodes finished; \
-         continue it with `openbench run --resume {folder}`, or remove it with --discard",
+        "{folder} contains an interrupted run with {finished} of {} finished; continue it with \
+         `openbench run --resume {folder}`, or remove it with --discard",
+        count(*episodes, "episode", "episodes"),
         folder = folder.display()
     )]
     Unfinished {

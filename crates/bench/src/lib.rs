@@ -20,7 +20,7 @@
 pub mod error;
 pub mod image_file;
 pub mod line_problem;
-mod plural;
+pub mod plural;
 pub mod report;
 pub mod run;
 pub mod score;
@@ -32,9 +32,9 @@ pub mod yardsticks;
 pub use error::BenchError;
 pub use openbench_sim::traffic::TrafficPlan;
 pub use run::{
-    AgentFactory, AgentRequest, Agents, EpisodeEnd, Faults, ImuRange, InterruptedRun, Level,
-    MEMORY_BEFORE, Observer, Rollout, RunRecord, RunRequest, Status, Truth, TruthHandle,
-    UNFINISHED, Unfinished, done_before, interrupted, memory_of, repeat, run, verify, verify_agent,
+    AgentFactory, AgentRequest, Agents, EpisodeEnd, Faults, FinishedBefore, ImuRange,
+    InterruptedRun, Level, MEMORY_BEFORE, Observer, Rollout, RunRecord, RunRequest, Status, Truth,
+    TruthHandle, UNFINISHED, Unfinished, interrupted, memory_of, repeat, run, verify, verify_agent,
 };
 pub use score::Results;
 pub use score::provenance::{Build, ModelDigest, Setting};

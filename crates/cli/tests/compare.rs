@@ -52,7 +52,13 @@ fn the_means_over_seeds_are_written_and_seeds_that_are_done_are_kept() {
     );
     assert!(again.succeeded().stderr.contains("seed 4 is done already"));
     // Another agent in the same folder is another run.
-    let other = drive(&place, "--agent straight-line --seeds 4..4 --out runs");
+    let other = "--agent straight-line --seeds 4..4 --out runs";
+    drive(&place, other).refused_with(&["seed-4", "its agent is omniscient", "--discard"]);
+    assert_eq!(
+        place.json("runs/seed-4/results.json")["agent"],
+        "omniscient"
+    );
+    let other = drive(&place, &format!("{other} --discard"));
     assert!(!other.succeeded().stderr.contains("is done already"));
     assert_eq!(
         place.json("runs/seed-4/results.json")["agent"],
@@ -65,6 +71,8 @@ fn the_means_over_seeds_are_written_and_seeds_that_are_done_are_kept() {
     drive(&place, "--agent omniscient --out single").succeeded();
     drive(&place, "--agent omniscient --seeds 1..2 --out single")
         .refused_with(&["single has a single run"]);
+    drive(&place, "--agent omniscient --out runs").refused_with(&["runs of several seeds"]);
+    assert!(!place.path("runs/results.json").exists());
 }
 
 #[test]

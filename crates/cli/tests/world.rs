@@ -113,7 +113,7 @@ fn a_map_becomes_ground_as_the_map_server_reads_it() {
     assert!(said.contains("part.yaml: 40"), "{said}");
     place
         .openbench("costmap --map village.osm --out ground.pgm")
-        .refused_with(&["ground.pgm", "`.yaml`"]);
+        .refused_with(&["ground.pgm", ".yaml"]);
     place
         .openbench("costmap --map nowhere.osm --out ground.yaml")
         .refused_with(&["nowhere.osm"]);
@@ -200,7 +200,7 @@ fn a_run_in_a_world_verifies_and_moves_with_its_folder() {
             .openbench("verify run")
             .succeeded()
             .stdout
-            .contains("1 episodes: files and actions agree")
+            .contains("1 episode: files and actions agree")
     );
 }
 
@@ -469,6 +469,18 @@ fn the_map_of_a_world_is_no_memory_of_a_run() {
     let words = "run w --agent random --record none --memory public.osm --out run";
     place.openbench(words).succeeded();
     assert_eq!(place.json("run/results.json")["memory"]["doors"], 0);
+}
+
+#[test]
+fn a_map_that_no_run_has_written_is_not_replaced_by_a_memory() {
+    let place = generated("");
+    let public = place.read("w/public.osm");
+    let mine = public.replacen("<way", "<node id='77' lat='0' lon='0'/><way", 1);
+    place.file("mine.osm", &mine);
+    place
+        .openbench("run w --agent random --record none --out out --memory mine.osm")
+        .refused_with(&["mine.osm", "lacks 1 of its elements", "would be replaced"]);
+    assert_eq!(place.read("mine.osm"), mine);
 }
 
 #[test]

@@ -102,6 +102,24 @@ pub fn merge_entrances(base: &mut OsmData, from: &OsmData) -> usize {
     merged
 }
 
+/// How many elements of `from` a copy of `base` into which the doors of `from` are
+/// [merged](merge_entrances) lacks, or has with other tags; doors are not counted.
+pub fn lost_in_merge(base: &OsmData, from: &OsmData) -> usize {
+    let nodes = from.nodes.values().filter(|node| {
+        let known = base.nodes.get(&node.id);
+        !is_door(&node.tags) && known.is_none_or(|known| known.tags != node.tags)
+    });
+    let ways = from.ways.values().filter(|way| {
+        let known = base.ways.get(&way.id);
+        known.is_none_or(|known| known.tags != way.tags)
+    });
+    let relations = from.relations.values().filter(|relation| {
+        let known = base.relations.get(&relation.id);
+        known.is_none_or(|known| known.tags != relation.tags)
+    });
+    nodes.count() + ways.count() + relations.count()
+}
+
 /// The public map: the same map without doors and units.
 ///
 /// Door nodes lose all their tags. They are removed altogether unless an outline has its corner
@@ -571,6 +589,25 @@ mod tests {
             find(&data, "Court", "unit3").map(|(node, _)| node),
             Some(-2)
         );
+    }
+
+    #[test]
+    fn a_merged_map_loses_what_the_base_lacks_or_calls_otherwise() {
+        let base = without_doors(&data());
+        let mut edited = base.clone();
+        add(&mut edited, HOUSE, 0.0004, -0.00002, "7");
+        assert_eq!(lost_in_merge(&base, &edited), 0);
+        edited
+            .ways
+            .get_mut(&24)
+            .unwrap()
+            .tags
+            .insert("name", "Mine");
+        let corner = edited.nodes[&2].clone();
+        edited.nodes.insert(99, Node { id: 99, ..corner });
+        edited.relations.clear();
+        assert_eq!(lost_in_merge(&base, &edited), 2);
+        assert!(lost_in_merge(&OsmData::default(), &base) > 2);
     }
 
     #[test]

@@ -51,7 +51,9 @@ mod xml;
 pub use address::{Location, locate};
 pub use cutout::{Window, WindowError, cut_out};
 pub use data::{OsmData, ReadReport};
-pub use edit::{EditError, NewEntrance, add_entrance, merge_entrances, without_doors};
+pub use edit::{
+    EditError, NewEntrance, add_entrance, lost_in_merge, merge_entrances, without_doors,
+};
 pub use element::{ElementId, ElementKind, Member, Node, Relation, Way};
 pub use error::OsmError;
 pub use map::{Area, Barrier, Building, Entrance, MapReport, OsmMap, Road};

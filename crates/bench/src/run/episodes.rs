@@ -63,23 +63,40 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     }
 }
 
-/// The results of a finished run in the folder of the request, if the request would make them
-/// again: by the same program, agent and settings, in the same world.
-///
-/// # Errors
-/// A file of such a run that cannot be read.
-pub fn done_before(request: &RunRequest<'_>) -> Result<Option<Results>, BenchError> {
-    let Some(out) = request.out.filter(|out| out.join(RUN).exists()) else {
-        return Ok(None);
-    };
-    // The record of another version, or a damaged one, is that of another run.
-    let Ok(before) = RunRecord::read(out) else {
-        return Ok(None);
-    };
-    let now = RunRecord::of(request)?;
-    match before.difference(&now) {
-        None => Ok(Some(Results::read(&out.join(RESULTS))?)),
-        Some(_) => Ok(None),
+/// A finished run in the folder of a request, compared with what the request would run.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum FinishedBefore {
+    /// There is none.
+    Nothing,
+    /// The same program, agent and settings, in the same world: the request would give its results.
+    Same(Box<Results>),
+    /// Another run.
+    Other {
+        /// In what it differs, for people.
+        difference: String,
+    },
+}
+
+impl FinishedBefore {
+    /// What is in the folder of `request`.
+    ///
+    /// # Errors
+    /// Results of the same run that cannot be read, or a request that has no record.
+    pub fn of(request: &RunRequest<'_>) -> Result<Self, BenchError> {
+        let Some(out) = request.out.filter(|out| out.join(RUN).exists()) else {
+            return Ok(Self::Nothing);
+        };
+        let now = RunRecord::of(request)?;
+        // The record of another version, or a damaged one, is that of another run.
+        let difference = match RunRecord::read(out) {
+            Ok(before) => before.difference(&now),
+            Err(unread) => Some(unread.to_string()),
+        };
+        Ok(match difference {
+            None => Self::Same(Box::new(Results::read(&out.join(RESULTS))?)),
+            Some(difference) => Self::Other { difference },
+        })
     }
 }
 

@@ -37,7 +37,7 @@ pub mod truth;
 mod verify;
 
 pub use episode::run_episode;
-pub use episodes::{done_before, repeat, run};
+pub use episodes::{FinishedBefore, repeat, run};
 pub use folder::{InterruptedRun, MEMORY_BEFORE, UNFINISHED, interrupted, memory_of};
 pub use observer::Observer;
 pub use output::RunOutput;

@@ -32,16 +32,15 @@ impl Reached {
         }
         let failures = trace.tasks.iter().filter_map(|task| task.failure.as_ref());
         let unavailable = failures.filter_map(|failure| match failure.cause {
-            FailureCause::PlannerUnavailable => Some(("planner", "grammar", failure)),
-            FailureCause::ReaderUnavailable => Some(("reader", "ppocr-v4", failure)),
+            FailureCause::PlannerUnavailable => Some(("planner", failure)),
+            FailureCause::ReaderUnavailable => Some(("reader", failure)),
             _ => None,
         });
         match unavailable.into_iter().next() {
-            Some((part, fallback, failure)) => Err(BenchError::Unreachable {
+            Some((part, failure)) => Err(BenchError::Unreachable {
                 episode,
                 detail: failure.detail.clone(),
                 part,
-                fallback,
             }),
             None => Ok(()),
         }
@@ -75,8 +74,8 @@ mod tests {
     #[test]
     fn a_run_ends_if_its_model_has_never_answered() {
         for (cause, fallback) in [
-            (FailureCause::PlannerUnavailable, "planner=MODEL,grammar"),
-            (FailureCause::ReaderUnavailable, "reader=MODEL,ppocr-v4"),
+            (FailureCause::PlannerUnavailable, "planner=MODEL,OTHER"),
+            (FailureCause::ReaderUnavailable, "reader=MODEL,OTHER"),
         ] {
             let reached = Reached::default();
             let error = reached.check(&unanswered(cause, 1, 1), 3).unwrap_err();

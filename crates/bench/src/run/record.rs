@@ -143,6 +143,7 @@ impl RunRecord {
     /// continued.
     pub(super) fn difference(&self, now: &Self) -> Option<String> {
         let pairs = [
+            ("agent", &self.agent, &now.agent),
             ("version", &self.version, &now.version),
             ("commit", &self.build.commit, &now.build.commit),
             ("program", &self.build.program, &now.build.program),

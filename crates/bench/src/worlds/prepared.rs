@@ -67,7 +67,7 @@ impl Prepared {
     ///
     /// # Errors
     /// A world that cannot be built, a truth file that does not fit, or an episode without
-    /// deliveries.
+    /// deliveries or, unless a planner read them, with one to a door that the world lacks.
     pub fn new(suite: Suite, truth: Option<&Path>) -> Result<Self, BenchError> {
         Self::world_of(suite)?.with_episodes(truth)
     }
@@ -84,7 +84,13 @@ impl Prepared {
         // Absolute, since `run.json` has this path, and `verify` may be started in another folder.
         self.truth =
             truth.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
-        Ok(self)
+        match self.missing_doors().into_iter().next() {
+            // What a planner read may be wrong, and then the delivery fails.
+            Some(missing) if self.target_source() != TargetSource::Planner => {
+                Err(BenchError::world(format!("{missing}; correct its address")))
+            }
+            _ => Ok(self),
+        }
     }
 
     /// Builds the world of a suite without its episodes.
@@ -263,20 +269,13 @@ impl Prepared {
             .enumerate()
             .flat_map(|(i, e)| e.targets.iter().map(move |t| (i, t)));
         let missing = targets.filter(|(_, t)| t.door.is_none());
-        let doors: Vec<String> = self
-            .world
-            .scene
-            .doors
-            .iter()
-            .map(|d| d.address.to_string())
-            .collect();
+        let doors = self.world.scene.doors.iter();
+        let known: Vec<String> = doors.map(|door| door.address.to_string()).collect();
+        let known = listed(&known);
         missing
             .map(|(i, t)| {
-                format!(
-                    "episode {i}: the world has no door {}; its doors are {}",
-                    t.address,
-                    doors.join("; ")
-                )
+                let address = &t.address;
+                format!("episode {i}: the world has no door {address}; its doors are {known}")
             })
             .collect()
     }
@@ -293,6 +292,17 @@ impl Prepared {
         // The rectangular footprint fits where its circumscribed circle does not.
         const MAX_OFFSET_M: f64 = 1.0;
         self.free_space.nearest_reachable(robot, MAX_OFFSET_M)
+    }
+}
+
+/// The first of many words, and how many follow.
+fn listed(words: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let shown = words.iter().take(SHOWN).cloned().collect::<Vec<_>>();
+    let shown = shown.join("; ");
+    match words.len().saturating_sub(SHOWN) {
+        0 => shown,
+        more => format!("{shown}; and {more} more"),
     }
 }
 

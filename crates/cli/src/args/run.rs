@@ -60,7 +60,8 @@ pub struct RunArgs {
         ]
     )]
     pub resume: Option<PathBuf>,
-    /// Remove what an interrupted run has left in the folder
+    /// Remove what an interrupted run has left in the folder; with --seeds, also replace seeds that
+    /// were run with other settings, which is refused without it
     #[arg(long)]
     pub discard: bool,
     /// Episodes that run in parallel; results do not depend on it

@@ -1,5 +1,6 @@
 //! Drives the episodes of a run and shows progress.
 
+use openbench_bench::plural::count;
 use openbench_bench::score::results::DeliveryResult;
 use openbench_bench::{BenchError, EpisodeEnd, Results, RunRequest};
 
@@ -33,8 +34,9 @@ fn delivery_lines(end: &EpisodeEnd, episodes: usize) -> String {
             None => "delivered".to_owned(),
         };
         format!(
-            "{} of {episodes} episodes: {}.{} {}: {ended}, {:.0} s",
+            "{} of {}: {}.{} {}: {ended}, {:.0} s",
             end.ended,
+            count(episodes, "episode", "episodes"),
             delivery.episode,
             delivery.task,
             delivery.address(),

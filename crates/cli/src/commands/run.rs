@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use openbench_bench::plural::count;
 use openbench_bench::report::terminal_table;
 use openbench_bench::suite::draw::Draw;
 use openbench_bench::suite::{Sensors, deliveries};
@@ -14,7 +15,7 @@ use openbench_bench::{
     interrupted,
 };
 use openbench_core::Address;
-use openbench_osm::OsmData;
+use openbench_osm::{OsmData, lost_in_merge};
 
 use crate::args::{RunArgs, Targets};
 use crate::commands::driving::drive_with_progress;
@@ -38,6 +39,9 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
     // First of all: a misspelt setting is found at once, while building the world takes a while.
     check_agent(factory, &settings)?;
+    if args.seeds.is_none() {
+        seeds::refuse_several_runs(&args.out)?;
+    }
     let unfinished = if args.discard {
         Unfinished::Discard
     } else {
@@ -62,8 +66,8 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
         .map(read_memory)
         .transpose()?
         .flatten();
-    if let Some(memory) = &memory {
-        refuse_own_map(&prepared, memory, args)?;
+    if let (Some(path), Some(memory)) = (&args.memory, &memory) {
+        refuse_other_maps(&prepared, path, memory)?;
     }
     // From wherever the run is resumed.
     let memory_file = args
@@ -115,8 +119,8 @@ fn resume(
         return print(&Results::read(&results)?, out, args);
     };
     tell(&format!(
-        "{finished} of {} episodes are finished",
-        record.episodes
+        "{finished} of {} finished",
+        count(record.episodes, "episode", "episodes")
     ));
     let factory = agents.get(&record.agent)?.as_ref();
     check_agent(factory, &record.settings)?;
@@ -156,9 +160,9 @@ fn stopped(out: &Path) -> anyhow::Result<String> {
     let left = interrupted(out)?;
     Ok(left.map_or("stopped".to_owned(), |left| {
         format!(
-            "stopped; {} of {} episodes are finished; continue with: openbench run --resume {}",
+            "stopped; {} of {} finished; continue with: openbench run --resume {}",
             left.finished,
-            left.record.episodes,
+            count(left.record.episodes, "episode", "episodes"),
             out.display()
         )
     }))
@@ -197,17 +201,25 @@ fn read_memory(path: &Path) -> anyhow::Result<Option<OsmData>> {
     Ok(Some(OsmData::from_bytes(&memory.to_xml())?))
 }
 
-/// Refuses a memory that nobody has seen, but that is the map from which the world is made.
-fn refuse_own_map(prepared: &Prepared, memory: &OsmData, args: &RunArgs) -> anyhow::Result<()> {
+/// Refuses a memory that no run has written: the map from which the world is made, which has doors
+/// that nobody has seen, and any map that would lose something when it is replaced.
+fn refuse_other_maps(prepared: &Prepared, path: &Path, memory: &OsmData) -> anyhow::Result<()> {
     if prepared.is_own_map(memory) {
-        let path = args.memory.as_deref().unwrap_or(Path::new("--memory"));
         anyhow::bail!(
             "{} has the doors of the world exactly where they are: it is the map that the world \
              is made from, and no memory of a run; name another file, which may be a new one",
             path.display()
         );
     }
-    Ok(())
+    match lost_in_merge(&prepared.world.map, memory) {
+        0 => Ok(()),
+        lost => anyhow::bail!(
+            "no run in this world has written {}: the public map lacks {lost} of its elements, or \
+             has them with other tags; it would be replaced when the run is complete; name another \
+             file, which may be a new one, or copy it",
+            path.display()
+        ),
+    }
 }
 
 /// Refuses a memory that is another input of the run, or a file of its results: it is written when

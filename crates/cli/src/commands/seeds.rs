@@ -5,13 +5,24 @@ use std::path::{Path, PathBuf};
 
 use openbench_bench::report::means_table;
 use openbench_bench::score::across::{Means, System, means};
-use openbench_bench::{BenchError, Results, RunRequest, Unfinished, done_before, interrupted};
+use openbench_bench::{BenchError, FinishedBefore, Results, RunRequest, Unfinished, interrupted};
 use openbench_osm::write_atomically;
 
 use super::driving::drive_with_progress;
 use crate::args::RunArgs;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::signals::StopSignal;
+
+/// Name of the file with the means.
+const MEANS: &str = "means.json";
+/// Name of a seed's folder, up to its number.
+const SEED: &str = "seed-";
+
+/// A seed and the folder of its run.
+struct Seed {
+    number: u64,
+    out: PathBuf,
+}
 
 /// Runs the request with each seed, in a folder for each. What is done already is kept, so the same
 /// command continues after an interruption.
@@ -22,13 +33,23 @@ pub fn drive_each(
     stop: &StopSignal,
 ) -> anyhow::Result<Outcome> {
     refuse_single_run(&args.out)?;
+    let seeds: Vec<Seed> = seeds
+        .clone()
+        .map(|number| Seed {
+            number,
+            out: folder(&args.out, number),
+        })
+        .collect();
+    // All of them first, before hours are driven for some.
+    if !args.discard {
+        spare_other_runs(request, &seeds)?;
+    }
     let mut runs = Vec::new();
-    for seed in seeds.clone() {
-        let out = folder(&args.out, seed);
+    for Seed { number, out } in &seeds {
         let request = RunRequest {
-            seed,
-            out: Some(&out),
-            unfinished: unfinished(&out, args)?,
+            seed: *number,
+            out: Some(out),
+            unfinished: unfinished(out, args)?,
             ..*request
         };
         match one(request) {
@@ -37,7 +58,7 @@ pub fn drive_each(
                     "stopped; {} of {} seeds are finished; the same command continues, \
                      without --discard if it has that",
                     runs.len(),
-                    seeds.clone().count()
+                    seeds.len()
                 ));
                 return Ok(Outcome::Stopped(stop.number()));
             }
@@ -59,8 +80,26 @@ fn refuse_single_run(out: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Refuses a folder with the runs of several seeds for a single run, whose files would lie between
+/// theirs.
+pub fn refuse_several_runs(out: &Path) -> anyhow::Result<()> {
+    let Ok(entries) = std::fs::read_dir(out) else {
+        // A folder that does not exist holds no runs; others are reported where they are written.
+        return Ok(());
+    };
+    let mut names = entries.flatten().map(|entry| entry.file_name());
+    let is_of_seeds = |name: &str| name == MEANS || name.starts_with(SEED);
+    if names.any(|name| name.to_str().is_some_and(is_of_seeds)) {
+        anyhow::bail!(
+            "{} has the runs of several seeds; choose another folder with --out",
+            out.display()
+        );
+    }
+    Ok(())
+}
+
 fn folder(out: &Path, seed: u64) -> PathBuf {
-    out.join(format!("seed-{seed}"))
+    out.join(format!("{SEED}{seed}"))
 }
 
 /// What is done with the remains of a seed that was interrupted.
@@ -75,16 +114,35 @@ fn unfinished(out: &Path, args: &RunArgs) -> Result<Unfinished, BenchError> {
 /// The results of one seed.
 fn one(request: RunRequest<'_>) -> Result<Results, BenchError> {
     let seed = request.seed;
-    if let Some(results) = done_before(&request)? {
+    if let FinishedBefore::Same(results) = FinishedBefore::of(&request)? {
         tell(&format!("seed {seed} is done already"));
-        return Ok(results);
+        return Ok(*results);
     }
     tell(&format!("seed {seed}"));
     drive_with_progress(request)
 }
 
+/// Refuses to replace finished seeds of another run: they may have taken hours.
+fn spare_other_runs(request: &RunRequest<'_>, seeds: &[Seed]) -> anyhow::Result<()> {
+    for Seed { number, out } in seeds {
+        let request = RunRequest {
+            seed: *number,
+            out: Some(out),
+            ..*request
+        };
+        if let FinishedBefore::Other { difference } = FinishedBefore::of(&request)? {
+            anyhow::bail!(
+                "{} has another run: {difference}; choose another folder with --out, or replace \
+                 it with --discard",
+                out.display()
+            );
+        }
+    }
+    Ok(())
+}
+
 fn finish(means: &Means, args: &RunArgs) -> anyhow::Result<Outcome> {
-    let path = args.out.join("means.json");
+    let path = args.out.join(MEANS);
     let mut json = serde_json::to_vec_pretty(means)?;
     json.push(b'\n');
     write_atomically(&path, &json)?;

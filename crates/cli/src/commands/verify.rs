@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use openbench_bench::plural::count;
 use openbench_bench::{
     Agents, BenchError, Prepared, RunRecord, RunRequest, memory_of, repeat, verify, verify_agent,
 };
@@ -28,13 +29,14 @@ pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     if args.agent {
         drive_again(&record, &prepared, args, agents)?;
     }
-    let (run, episodes) = (args.run.display(), record.episodes);
+    let run = args.run.display();
+    let episodes = count(record.episodes, "episode", "episodes");
     let repeats = if args.agent {
         ", and the agent repeats them"
     } else {
         ""
     };
-    let mut said = format!("{run}: {episodes} episodes: files and actions agree{repeats}\n");
+    let mut said = format!("{run}: {episodes}: files and actions agree{repeats}\n");
     if let Some(reason) = unchecked {
         said += &format!("{run}: what it says of its agent cannot be checked: {reason}\n");
     }

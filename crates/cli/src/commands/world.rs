@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Context;
+use openbench_bench::plural::count;
 use openbench_bench::worlds::Recipe;
 use openbench_bench::worlds::folder::{DrawRequest, WrittenWorld, write};
 use openbench_osm::default_georeference;
@@ -99,11 +100,11 @@ fn refuse_inside(input: &Path, out: &Path) -> anyhow::Result<()> {
 }
 
 fn draw_request(drawn: &DrawArgs, seed: u64) -> DrawRequest {
-    let count = |i: usize| drawn.draw.get(i).map_or(0, |n| usize::from(*n));
+    let drawn_count = |i: usize| drawn.draw.get(i).map_or(0, |n| usize::from(*n));
     DrawRequest {
-        singles: count(0),
-        sequences: count(1),
-        sequence_length: count(2),
+        singles: drawn_count(0),
+        sequences: drawn_count(1),
+        sequence_length: drawn_count(2),
         max_distance_m: drawn.reach,
         seed,
     }
@@ -113,13 +114,13 @@ fn report(written: &WrittenWorld, out: &Path) -> anyhow::Result<Outcome> {
     let (world, suite) = (&written.prepared.world, &written.prepared.suite);
     world.warnings.iter().for_each(|w| tell(w));
     say(&format!(
-        "{}: {} triangles, {} doors, {} reachable, {} to deliver to; {} episodes in {}\n",
+        "{}: {} triangles, {} doors, {} reachable, {} to deliver to; {} in {}\n",
         world.name,
         world.scene.triangles.len(),
         world.scene.doors.len(),
         written.reachable,
         written.candidates,
-        suite.episodes.len(),
+        count(suite.episodes.len(), "episode", "episodes"),
         out.display()
     ))?;
     Ok(Outcome::Done)
