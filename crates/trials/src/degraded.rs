@@ -153,6 +153,8 @@ pub fn trial(
         via: Vec::new(),
         style: Style::Smooth,
         seed,
+        // An agent too stands until its localizer is ready.
+        standstill: INTACT,
     };
     let mut sensors = Degraded {
         degradation,

@@ -12,8 +12,8 @@ use openbench_sim::traffic::Hull;
 
 use openbench_bench::{BenchError, Prepared};
 
-/// Initial standstill, as after a robot is switched on.
-const STANDSTILL: Duration = Duration::from_secs(2);
+/// Usual [`Tour::standstill`], as after a robot is switched on.
+pub const STANDSTILL: Duration = Duration::from_secs(2);
 /// Distance to obstacles where there is space.
 const CLEARANCE_M: f64 = 0.6;
 /// Lookahead distance on the path, and distance at which a place counts as reached.
@@ -45,6 +45,8 @@ pub struct Tour {
     pub style: Style,
     /// Seed of noise, traffic and order.
     pub seed: u64,
+    /// Initial time without motion; part of `time`.
+    pub standstill: Duration,
 }
 
 /// The result of a drive.
@@ -62,7 +64,7 @@ pub struct Driven {
 /// use std::time::Duration;
 ///
 /// use openbench_bench::{Prepared, builtin_suite};
-/// use openbench_trials::tour::{Style, Tour, drive};
+/// use openbench_trials::tour::{STANDSTILL, Style, Tour, drive};
 ///
 /// let prepared = Prepared::world_of(builtin_suite("small")?)?;
 /// let tour = Tour {
@@ -70,6 +72,7 @@ pub struct Driven {
 ///     via: Vec::new(),
 ///     style: Style::Smooth,
 ///     seed: 1,
+///     standstill: STANDSTILL,
 /// };
 /// let mut scans = 0;
 /// let driven = drive(&prepared, &tour, &mut |simulator, _| {
@@ -93,7 +96,7 @@ pub fn drive(
     let mut metres = 0.0;
     while simulator.time().since(SimTime::ZERO) < tour.time {
         let before = pose(&simulator).point();
-        let velocity = if simulator.time().since(SimTime::ZERO) < STANDSTILL {
+        let velocity = if simulator.time().since(SimTime::ZERO) < tour.standstill {
             Velocity::ZERO
         } else {
             driver.steer(&simulator)

@@ -398,7 +398,7 @@ impl<'o> Rollout<'o> {
             collisions: collisions[task.collisions_before..].to_vec(),
             contacts: longer_contacts(&task.contacts_before, contacts),
             encounters: (!self.simulator.movers().is_empty()).then(|| task.encounters.totals()),
-            pose_error_m: self.trace.estimated.last().map(|p| p.distance(here)),
+            pose_error_m: self.trace.pose_errors.last().map(PoseError::distance),
             plates_read: self.trace.plates.len() - task.plates_before,
             models: self.trace.models.since(task.models_before),
             failure,

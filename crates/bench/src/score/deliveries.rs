@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use openbench_core::{Address, FailureCause, MapPoint, Plan, PlannedDelivery};
+use openbench_core::{FailureCause, MapPoint, Plan};
 use openbench_osm::OsmMap;
 
 use crate::score::health::health_spans;
@@ -132,12 +132,13 @@ fn geodesic_distance(prepared: &Prepared, from: MapPoint, door: usize) -> Option
 
 /// The results of the episodes as a whole.
 pub fn score_episodes(prepared: &Prepared, traces: &[EpisodeTrace]) -> Vec<EpisodeResult> {
+    let map = prepared.osm_map();
     let pairs = prepared.episodes.iter().zip(traces).enumerate();
     pairs
         .map(|(number, (episode, trace))| EpisodeResult {
             episode: number,
             sim_seconds: trace.sim_seconds,
-            understood: trace.plan.as_ref().map(|plan| is_understood(episode, plan)),
+            understood: episode_understood(map, episode, trace),
             fallbacks: trace
                 .plan
                 .as_ref()
@@ -202,18 +203,22 @@ fn doorway_behind(map: &OsmMap, plate: MapPoint, facing: f64) -> MapPoint {
     in_front.unwrap_or_else(|| outline.nearest_boundary_point(plate).point)
 }
 
-/// The instructions that were understood, see [`Understood`]; `None` if the agent made no plans.
+/// The instructions that were understood, see [`Understood`]; `None` if the agent plans none.
 pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<Understood> {
-    if traces.iter().all(|trace| trace.plan.is_none()) {
+    let map = prepared.osm_map();
+    let episodes: Vec<_> = prepared.episodes.iter().zip(traces).collect();
+    if episodes
+        .iter()
+        .all(|(e, t)| episode_understood(map, e, t).is_none())
+    {
         return None;
     }
     // In a run with plans, an episode without one counts as not understood.
-    let episodes: Vec<_> = prepared.episodes.iter().zip(traces).collect();
     let right: Vec<&Plan> = episodes
         .iter()
         .filter_map(|(episode, trace)| {
             let plan = trace.plan.as_ref()?;
-            is_understood(episode, plan).then_some(plan)
+            is_understood(map, episode, plan).then_some(plan)
         })
         .collect();
     let share = |successes| Proportion {
@@ -226,24 +231,43 @@ pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<Unders
     })
 }
 
-/// Whether the plan is exactly right: the definition of SRTP, see [`ExpectedPlan::is_met_by`].
-fn is_understood(episode: &PreparedEpisode, plan: &Plan) -> bool {
+/// Whether the episode's instruction was understood; `None` if nobody tried to plan it.
+fn episode_understood(
+    map: &OsmMap,
+    episode: &PreparedEpisode,
+    trace: &EpisodeTrace,
+) -> Option<bool> {
+    if let Some(plan) = &trace.plan {
+        return Some(is_understood(map, episode, plan));
+    }
+    // An agent that could not plan has tried.
+    let in_vain = |cause| {
+        matches!(
+            cause,
+            FailureCause::NotUnderstood | FailureCause::PlannerUnavailable
+        )
+    };
+    let failures = trace.tasks.iter().filter_map(|task| task.failure.as_ref());
+    failures
+        .map(|failure| failure.cause)
+        .any(in_vain)
+        .then_some(false)
+}
+
+/// Whether the plan is right: the definition of SRTP, see [`ExpectedPlan::is_met_by`].
+fn is_understood(map: &OsmMap, episode: &PreparedEpisode, plan: &Plan) -> bool {
     let expected = ExpectedPlan {
         doors: episode.targets.iter().map(|t| t.address.clone()).collect(),
         before: episode.before.clone(),
     };
-    let planned: Vec<Address> = plan
-        .deliveries
-        .iter()
-        .map(PlannedDelivery::address)
-        .collect();
-    expected.is_met_by(&planned)
+    expected.is_met_by(plan, Some(map))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::worlds::{Target, builtin_suite};
+    use openbench_core::{Address, PlannedDelivery};
     use openbench_core::{Georeference, LonLat};
     use openbench_osm::OsmData;
     use std::f64::consts::{FRAC_PI_2, PI};
@@ -352,14 +376,44 @@ mod tests {
     fn an_instruction_is_understood_if_the_plan_has_exactly_its_doors_in_their_order() {
         let (first, second) = (Address::new("b1", "u1"), Address::new("b1", "u2"));
         let any_order = episode(&[&first, &second], &[]);
-        let understood = |doors: &[&Address]| is_understood(&any_order, &plan(doors));
+        let understood = |doors: &[&Address]| is_understood(&map(), &any_order, &plan(doors));
         assert!(understood(&[&second, &first]));
         assert!(!understood(&[&first]));
         assert!(!understood(&[&first, &first]));
         assert!(!understood(&[&first, &second, &second]));
         let ordered = episode(&[&first, &second], &[(0, 1)]);
-        assert!(is_understood(&ordered, &plan(&[&first, &second])));
-        assert!(!is_understood(&ordered, &plan(&[&second, &first])));
+        assert!(is_understood(&map(), &ordered, &plan(&[&first, &second])));
+        assert!(!is_understood(&map(), &ordered, &plan(&[&second, &first])));
+    }
+
+    #[test]
+    fn an_instruction_that_could_not_be_planned_is_not_understood() {
+        let first = Address::new("b1", "u1");
+        let episode = episode(&[&first], &[]);
+        let without_plan = |cause: Option<FailureCause>| {
+            let failure = cause.map(|cause| Failure {
+                cause,
+                detail: String::new(),
+            });
+            EpisodeTrace {
+                tasks: vec![outcome(failure)],
+                ..EpisodeTrace::default()
+            }
+        };
+        let understood = |trace: &EpisodeTrace| episode_understood(&map(), &episode, trace);
+        assert_eq!(understood(&without_plan(None)), None);
+        assert_eq!(understood(&without_plan(Some(FailureCause::Stuck))), None);
+        for cause in [
+            FailureCause::NotUnderstood,
+            FailureCause::PlannerUnavailable,
+        ] {
+            assert_eq!(understood(&without_plan(Some(cause))), Some(false));
+        }
+        let planned = EpisodeTrace {
+            plan: Some(plan(&[&first])),
+            ..EpisodeTrace::default()
+        };
+        assert_eq!(understood(&planned), Some(true));
     }
 
     fn outcome(failure: Option<Failure>) -> TaskOutcome {

@@ -121,7 +121,7 @@ pub struct EpisodeResult {
     pub episode: usize,
     /// Simulated time, seconds.
     pub sim_seconds: f64,
-    /// Whether the plan was exactly right; null if the agent made none.
+    /// Whether the plan was exactly right; false if a planner failed, null if the agent plans none.
     pub understood: Option<bool>,
     /// Parts of the plan that another planner had to make.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -266,7 +266,7 @@ pub struct DeliveryResult {
     /// Position of the declaration, in the `map` frame; null if it was never declared.
     #[serde(default)]
     pub declared_at: Option<MapPoint>,
-    /// Distance between the estimated and the true position at the end, metres.
+    /// Position error of the last pose that the agent reported, at the time of the report, metres.
     #[serde(default)]
     pub pose_error_m: Option<f64>,
     /// Number of plates read during this delivery.

@@ -49,8 +49,8 @@ pub struct TaskOutcome {
     pub contacts: BTreeMap<SemanticClass, Duration>,
     /// Encounters with people and cars; `None` in a world without traffic.
     pub encounters: Option<EncounterTotals>,
-    /// Distance between the last estimated and the true position at the end, metres; `None` if the
-    /// agent reported no pose.
+    /// Position error of the last pose that the agent reported, at the time of the report, metres;
+    /// `None` if it reported no pose.
     pub pose_error_m: Option<f64>,
     /// Plates read during the delivery.
     pub plates_read: usize,

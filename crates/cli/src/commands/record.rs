@@ -5,7 +5,7 @@ use std::time::Duration;
 use openbench_bench::run::recorder::Recorder;
 use openbench_bench::{Faults, ImuRange, Level, Prepared};
 use openbench_core::SimTime;
-use openbench_trials::tour::{Style, Tour, drive};
+use openbench_trials::tour::{STANDSTILL, Style, Tour, drive};
 
 use crate::args::RecordArgs;
 use crate::commands::run::named;
@@ -40,6 +40,7 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
             Style::Smooth
         },
         seed: args.seed,
+        standstill: STANDSTILL,
     };
     let recorder = Recorder::create(&args.out, Level::Full, &prepared)?;
     let mut recorder = recorder.with_faults(faults);

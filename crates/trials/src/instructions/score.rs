@@ -1,17 +1,17 @@
 //! SRTP of a planner: the share of instructions with exactly the right plan, with 95 % Wilson
 //! intervals, by language and difficulty.
 //!
-//! A plan is right if it has exactly the requested doors, each once, in an admissible order, and no
-//! question about a door that the map has. For an ambiguous instruction it is right if it is one
-//! delivery with a question. For an instruction without a map, the positions of the doors may be
-//! unknown to the plan.
+//! A plan is right by the definition of the benchmark's SRTP,
+//! [`ExpectedPlan::is_met_by`](openbench_bench::score::metrics::ExpectedPlan::is_met_by). For an
+//! ambiguous instruction it is right if it is one delivery with a question. For an instruction
+//! without a map, the positions of the doors may be unknown to the plan.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use openbench_core::{Address, Georeference, LonLat, MapPoint, ModelUse, Plan, TravelTimes};
 use openbench_language::{PlanRequest, Planner};
-use openbench_osm::{Location, OsmData, OsmMap, locate};
+use openbench_osm::{OsmData, OsmMap};
 use serde::Serialize;
 
 use super::{Case, Difficulty, MapName};
@@ -183,26 +183,12 @@ impl Scores {
     }
 }
 
-/// Whether a plan is right, see the [module](self). A plan may report that the map lacks a
-/// building, but must not ask about one that the map has.
+/// Whether a plan is right, see the [module](self).
 fn is_right(case: &Case, plan: &Plan, map: Option<&OsmMap>) -> bool {
     if case.ambiguous {
         return matches!(&plan.deliveries[..], [one] if one.problem.is_some());
     }
-    let planned: Vec<Address> = plan.deliveries.iter().map(|d| d.address()).collect();
-    // By the building alone: a question about a unit of a known building counts as well.
-    let has = |name: &str| {
-        let building = Address {
-            building: name.to_owned(),
-            unit: None,
-        };
-        map.is_some_and(|map| locate(map, &building) != Location::Unknown)
-    };
-    let asks = plan
-        .deliveries
-        .iter()
-        .any(|d| d.problem.is_some() && has(&d.building));
-    case.expected().is_met_by(&planned) && !asks
+    case.expected().is_met_by(plan, map)
 }
 
 /// Travel times along straight lines at 0.5 m/s. They only affect orders that the instruction

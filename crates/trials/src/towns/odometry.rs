@@ -9,7 +9,7 @@ use openbench_localization::lio::{Estimate, LidarInertialOdometry, Status};
 use openbench_localization::wheels::Wheels;
 use serde::{Deserialize, Serialize};
 
-use crate::tour::{Style, Tour, drive};
+use crate::tour::{STANDSTILL, Style, Tour, drive};
 use openbench_bench::score::metrics::consistency::pose_at;
 use openbench_bench::score::metrics::{EstimatedPose, Nees, StampedPose, nees};
 use openbench_bench::{BenchError, Prepared};
@@ -50,6 +50,7 @@ pub fn measure(prepared: &Prepared, seed: u64) -> Result<OdometrySum, BenchError
         via: Vec::new(),
         style: Style::Smooth,
         seed,
+        standstill: STANDSTILL,
     };
     let mut follower = Follower::new(&prepared.robot);
     let driven = drive(prepared, &tour, &mut |simulator, _| {

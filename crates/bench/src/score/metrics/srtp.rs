@@ -1,7 +1,8 @@
 //! SRTP, success rate of task planning: the share of instructions with exactly the right list of
 //! doors, in an admissible order.
 
-use openbench_core::Address;
+use openbench_core::{Address, Plan};
+use openbench_osm::{Location, OsmMap, locate};
 
 use crate::score::statistics::Proportion;
 
@@ -25,6 +26,16 @@ pub struct ExpectedPlan {
 }
 
 impl ExpectedPlan {
+    /// Whether a plan is right: it has exactly the requested doors, each once, in an admissible
+    /// order, and asks nothing about a building that the map has. It may report that the map lacks
+    /// one.
+    pub fn is_met_by(&self, plan: &Plan, map: Option<&OsmMap>) -> bool {
+        let planned: Vec<Address> = plan.deliveries.iter().map(|d| d.address()).collect();
+        let questions = plan.deliveries.iter().filter(|d| d.problem.is_some());
+        let mut asked = questions.map(|delivery| &delivery.building);
+        self.has_doors(&planned) && !asked.any(|building| has_building(map, building))
+    }
+
     /// Whether `planned` has exactly the requested doors, each once, in an admissible order.
     ///
     /// ```
@@ -38,11 +49,11 @@ impl ExpectedPlan {
     ///     doors: vec![first.clone(), second.clone()],
     ///     before: vec![(0, 1)],
     /// };
-    /// assert!(expected.is_met_by(&[first.clone(), second.clone()]));
-    /// assert!(!expected.is_met_by(&[second, first.clone()]));
-    /// assert!(!expected.is_met_by(&[first]));
+    /// assert!(expected.has_doors(&[first.clone(), second.clone()]));
+    /// assert!(!expected.has_doors(&[second, first.clone()]));
+    /// assert!(!expected.has_doors(&[first]));
     /// ```
-    pub fn is_met_by(&self, planned: &[Address]) -> bool {
+    pub fn has_doors(&self, planned: &[Address]) -> bool {
         let place = |door: &Address| planned.iter().position(|p| p.same_door(door));
         let places: Option<Vec<usize>> = self.doors.iter().map(place).collect();
         let ordered = |places: Vec<usize>| {
@@ -56,19 +67,20 @@ impl ExpectedPlan {
     }
 }
 
-/// SRTP over pairs of the expected and the made plan; `None` without instructions. A planner that
-/// fails has an empty plan.
-pub fn srtp(plans: &[(ExpectedPlan, Vec<Address>)]) -> Option<f64> {
-    let right = plans
-        .iter()
-        .filter(|(expected, planned)| expected.is_met_by(planned))
-        .count();
-    (!plans.is_empty()).then(|| right as f64 / plans.len() as f64)
+/// Whether a map has a building of that name, whatever its units.
+fn has_building(map: Option<&OsmMap>, name: &str) -> bool {
+    let building = Address {
+        building: name.to_owned(),
+        unit: None,
+    };
+    map.is_some_and(|map| locate(map, &building) != Location::Unknown)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use openbench_core::{Georeference, LonLat, PlannedDelivery};
+    use openbench_osm::OsmData;
 
     fn doors(names: &[&str]) -> Vec<Address> {
         names
@@ -83,7 +95,7 @@ mod tests {
             doors: doors(&["unit1", "unit2"]),
             before: vec![],
         };
-        assert!(expected.is_met_by(&doors(&["Unit 2", "unit1"])));
+        assert!(expected.has_doors(&doors(&["Unit 2", "unit1"])));
         for wrong in [
             &["unit1"][..],
             &["unit1", "unit3"],
@@ -91,7 +103,7 @@ mod tests {
             &["unit1", "unit1"],
             &[],
         ] {
-            assert!(!expected.is_met_by(&doors(wrong)), "{wrong:?}");
+            assert!(!expected.has_doors(&doors(wrong)), "{wrong:?}");
         }
     }
 
@@ -101,18 +113,43 @@ mod tests {
             doors: doors(&["a", "b", "c"]),
             before: vec![(2, 0)],
         };
-        assert!(expected.is_met_by(&doors(&["c", "b", "a"])));
-        assert!(!expected.is_met_by(&doors(&["a", "b", "c"])));
+        assert!(expected.has_doors(&doors(&["c", "b", "a"])));
+        assert!(!expected.has_doors(&doors(&["a", "b", "c"])));
     }
 
     #[test]
-    fn srtp_is_a_share() {
-        let expected = ExpectedPlan {
-            doors: doors(&["a"]),
-            before: vec![],
+    fn a_question_is_right_only_about_a_building_that_the_map_lacks() {
+        let xml = b"<osm><node id='1' lat='0' lon='0'/><node id='2' lat='0.0001' lon='0'/>\
+            <node id='3' lat='0' lon='0.0001'/><way id='4'><nd ref='1'/><nd ref='2'/>\
+            <nd ref='3'/><nd ref='1'/><tag k='building' v='yes'/><tag k='name' v='building1'/>\
+            </way></osm>";
+        let data = OsmData::from_xml(xml).unwrap();
+        let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::default()));
+        let right = |building: &str, problem: Option<&str>| {
+            let door = Address::new(building, "unit1");
+            let plan = Plan {
+                planner: "test".into(),
+                deliveries: vec![PlannedDelivery {
+                    instruction_index: 0,
+                    item: String::new(),
+                    building: door.building.clone(),
+                    unit: door.unit.clone(),
+                    levels: Vec::new(),
+                    steps: Vec::new(),
+                    confidence: 1.0,
+                    problem: problem.map(str::to_owned),
+                    deadline: None,
+                }],
+                fallbacks: Vec::new(),
+            };
+            let expected = ExpectedPlan {
+                doors: vec![door],
+                before: vec![],
+            };
+            expected.is_met_by(&plan, Some(&map))
         };
-        let plans = [(expected.clone(), doors(&["a"])), (expected, vec![])];
-        assert_eq!(srtp(&plans), Some(0.5));
-        assert_eq!(srtp(&[]), None);
+        assert!(right("building1", None));
+        assert!(!right("building1", Some("which one?")));
+        assert!(right("building2", Some("the map has no building2")));
     }
 }
