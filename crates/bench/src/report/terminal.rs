@@ -13,10 +13,8 @@ use crate::score::results::{DeliveryResult, EpisodeResult, Metrics, Results};
 
 /// Width of a line, columns of the terminal.
 const LINE_COLUMNS: usize = 100;
-/// Width of the address, columns of the terminal.
-const ADDRESS_COLUMNS: usize = 19;
-/// Width of the failure cause, columns of the terminal.
-const FAILURE_COLUMNS: usize = 19;
+/// Largest width of an address, columns of the terminal.
+const ADDRESS_COLUMNS: usize = 40;
 
 /// A table with one row per delivery, followed by a summary of all metrics.
 ///
@@ -25,14 +23,21 @@ const FAILURE_COLUMNS: usize = 19;
 pub fn terminal_table(results: &Results) -> String {
     let mut out = String::new();
     for departure in departures(results) {
-        let _ = writeln!(out, "note     {departure}");
+        named(&mut out, "note", &departure);
     }
     if !out.is_empty() {
         out.push('\n');
     }
-    out += &heading();
+    let addresses = results
+        .deliveries
+        .iter()
+        .map(|d| text_columns(&d.address().to_string()));
+    let longest = addresses.max().unwrap_or(0);
+    let address_columns = longest.clamp("delivery".len(), ADDRESS_COLUMNS);
+    out += &heading(address_columns);
     for delivery in &results.deliveries {
-        row(&mut out, delivery);
+        row(&mut out, delivery, address_columns);
+        failure(&mut out, delivery);
         models(&mut out, delivery);
         // Fallbacks are for a whole plan, which the first delivery stands for.
         let episode = results
@@ -46,19 +51,37 @@ pub fn terminal_table(results: &Results) -> String {
     out.push('\n');
     summary(&mut out, &results.metrics);
     health(&mut out, results);
-    let _ = writeln!(out, "targets  {}", results.targets.description());
+    named(&mut out, "targets", results.targets.description());
     if let Some(doors) = results.doors {
-        let _ = writeln!(out, "doors    {}", doors.describe());
+        named(&mut out, "doors", &doors.describe());
     }
     out
 }
 
+/// A line with a name in front; what is too long continues below.
+fn named(out: &mut String, name: &str, text: &str) {
+    const NAME_COLUMNS: usize = 9;
+    let mut line = pad(name, NAME_COLUMNS);
+    for word in text.split(' ') {
+        let used = text_columns(&line);
+        if used > NAME_COLUMNS && used + 1 + text_columns(word) > LINE_COLUMNS {
+            let _ = writeln!(out, "{line}");
+            line = pad("", NAME_COLUMNS);
+        }
+        if text_columns(&line) > NAME_COLUMNS {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    let _ = writeln!(out, "{}", line.trim_end());
+}
+
 /// The two lines above the rows; column widths as in [`row`].
-fn heading() -> String {
+fn heading(address_columns: usize) -> String {
     let first = format!(
         "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>8} {:>5} {:>6}",
         "",
-        pad("", ADDRESS_COLUMNS),
+        pad("", address_columns),
         "",
         "",
         "",
@@ -69,9 +92,9 @@ fn heading() -> String {
         "colli-",
     );
     let second = format!(
-        "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>8} {:>5} {:>6}  {}",
+        "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>8} {:>5} {:>6}",
         "task",
-        pad("delivery", ADDRESS_COLUMNS),
+        pad("delivery", address_columns),
         "10 m",
         "2 m",
         "unit",
@@ -80,19 +103,17 @@ fn heading() -> String {
         "path (m)",
         "(s)",
         "sions",
-        "failure",
     );
     format!("{first}\n{second}\n")
 }
 
-fn row(out: &mut String, d: &DeliveryResult) {
+fn row(out: &mut String, d: &DeliveryResult, address_columns: usize) {
     let mark = |success: bool| if success { "yes" } else { "no" };
-    let failure = d.failure.map(|f| f.to_string()).unwrap_or_default();
     let line = format!(
-        "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>8} {:>5} {:>6}  {}",
+        "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>8} {:>5} {:>6}",
         format!("{}.{}", d.episode, d.task),
         // Not a width of the format, which counts characters instead of columns.
-        pad(&d.address().to_string(), ADDRESS_COLUMNS),
+        pad(&d.address().to_string(), address_columns),
         mark(d.success_10m),
         mark(d.success_2m),
         mark(d.correct_unit),
@@ -101,9 +122,19 @@ fn row(out: &mut String, d: &DeliveryResult) {
         number(d.shortest_path_m, 1),
         number(Some(d.sim_seconds), 0),
         d.collisions,
-        pad(&failure, FAILURE_COLUMNS),
     );
-    let _ = writeln!(out, "{}", line.trim_end());
+    let _ = writeln!(out, "{line}");
+}
+
+/// Why a delivery failed; nothing if it did not.
+fn failure(out: &mut String, d: &DeliveryResult) {
+    let Some(cause) = d.failure else {
+        return;
+    };
+    let detail = d.failure_detail.iter().filter(|detail| !detail.is_empty());
+    let detail: String = detail.map(|detail| format!(": {detail}")).collect();
+    let line = format!("       {cause}{detail}");
+    let _ = writeln!(out, "{}", pad(&line, LINE_COLUMNS).trim_end());
 }
 
 /// How often models were asked during a delivery; nothing if none was.
@@ -136,7 +167,11 @@ fn rate(m: &Metrics, Headline { key, value, .. }: Headline) -> String {
         return "–".to_owned();
     };
     let interval = m.intervals.get(key).copied().flatten();
-    let interval = interval.map(|[low, high]| format!(" [{:.0}-{:.0}]", low * 100.0, high * 100.0));
+    let interval = interval.map(|[low, high]| {
+        // An interval that is narrower than a point would look like a single number.
+        let decimals = usize::from(high - low < 0.01);
+        format!(" [{:.decimals$}-{:.decimals$}]", low * 100.0, high * 100.0)
+    });
     format!("{} %{}", percent(value), interval.unwrap_or_default())
 }
 
@@ -177,12 +212,11 @@ fn summary(out: &mut String, m: &Metrics) {
         collisions(m)
     );
     if !m.collisions_by_class.is_empty() {
-        let line = format!("contact  {}", contacts::by_class(m));
-        let _ = writeln!(out, "{}", pad(&line, LINE_COLUMNS).trim_end());
+        named(out, "contact", &contacts::by_class(m));
     }
     let _ = writeln!(out, "motion   {}", m.smoothness.describe(m.path_m));
     if let Some(encounters) = m.encounters {
-        let _ = writeln!(out, "traffic  {}", encounters.describe());
+        named(out, "traffic", &encounters.describe());
     }
 }
 
@@ -203,13 +237,12 @@ fn health(out: &mut String, results: &Results) {
     });
     let silent: Vec<String> = silent.map(|e| e.episode.to_string()).collect();
     if !silent.is_empty() {
-        let _ = writeln!(
-            out,
-            "warning  the pose was wrong by more than 1 m while the agent reported good health, \
-             in {} {}",
+        let text = format!(
+            "the pose was wrong by more than 1 m while the agent reported good health, in {} {}",
             plural(silent.len(), "episode", "episodes"),
             silent.join(", ")
         );
+        named(out, "warning", &text);
     }
 }
 
@@ -227,10 +260,11 @@ fn collisions(m: &Metrics) -> String {
 fn pad(text: &str, width: usize) -> String {
     let mut out = String::new();
     let mut used = 0;
-    let all: usize = text.chars().map(columns).sum();
+    let all = text_columns(text);
     // A truncated text needs one column for the ellipsis.
     let room = if all > width { width - 1 } else { width };
-    for c in text.chars() {
+    // What a model answered may contain sequences that control a terminal.
+    for c in text.chars().filter(|c| !c.is_control()) {
         if used + columns(c) > room {
             break;
         }
@@ -244,6 +278,11 @@ fn pad(text: &str, width: usize) -> String {
     // Also after an ellipsis: a wide character may have left the last column free.
     out.extend(std::iter::repeat_n(' ', width.saturating_sub(used)));
     out
+}
+
+/// Columns of a text on a terminal.
+fn text_columns(text: &str) -> usize {
+    text.chars().map(columns).sum()
 }
 
 /// Columns of a character on a terminal: two for East Asian wide characters, recognized by the
@@ -276,11 +315,15 @@ mod tests {
         failed.building = "非常长的建筑物名称第三号楼东侧".into();
         (failed.failure, failed.success_2m) = (Some(FailureCause::PlannerUnavailable), false);
         (failed.path_m, failed.distance_to_door_m) = (1234.5, None);
-        let mut results = results(vec![delivery(0, 0), failed]);
+        failed.failure_detail = Some("the model answered \u{1b}[2J nonsense ".repeat(9));
+        let mut long = delivery(12, 0);
+        long.building = "Max-Mustermann-Gedächtnis-Straße 12345 a".into();
+        let mut results = results(vec![delivery(0, 0), failed, long]);
         // Enough singles and sequences for intervals everywhere.
         let more = (1..20).flat_map(|episode| (0..episode % 3).map(move |task| (episode, task)));
         let more = more.map(|(episode, task)| delivery(episode, task));
-        results.deliveries.extend(more.filter(|d| d.episode != 11));
+        let others = more.filter(|d| ![11, 12].contains(&d.episode));
+        results.deliveries.extend(others);
         results.metrics = summarize(&results.deliveries, &RunTotals::default());
         let table = terminal_table(&results);
         for line in table.lines() {
@@ -288,9 +331,25 @@ mod tests {
             assert!(width <= 100, "{width}: {line}");
         }
         assert!(table.contains("  0.0  unit1, building3"), "{table}");
-        assert!(table.contains("planner unavailable"), "{table}");
-        assert!(table.contains("strict   SR 88.9 % ["), "{table}");
+        let failure = "       planner failed: the model answered [2J nonsense";
+        assert!(table.contains(failure), "{table}");
+        assert!(table.contains("Gedächtnis-Straße…"), "{table}");
+        assert!(table.contains("strict   SR 90.0 % ["), "{table}");
         assert!(table.contains("member   paper SR 100.0 % ["), "{table}");
+    }
+
+    #[test]
+    fn what_is_too_long_for_a_line_continues_below() {
+        let mut out = String::new();
+        named(&mut out, "note", &"nine more ".repeat(12));
+        let lines: Vec<&str> = out.lines().collect();
+        assert_eq!(lines.len(), 2);
+        assert!(lines[0].starts_with("note     nine more nine") && lines[0].len() <= 100);
+        assert!(lines[1].starts_with("         nine") || lines[1].starts_with("         more"));
+        // A word that is longer than a line stays whole.
+        out.clear();
+        named(&mut out, "note", &"x".repeat(200));
+        assert_eq!(out.lines().count(), 1);
     }
 
     #[test]

@@ -19,8 +19,8 @@ Examples:
 pub struct RecordArgs {
     /// A built-in world (small, medium, large), a suite file (.toml), or a world folder
     pub world: String,
-    /// The log to write (.mcap)
-    #[arg(long)]
+    /// The log to write
+    #[arg(long, value_name = "FILE.mcap", value_parser = mcap_file)]
     pub out: PathBuf,
     /// Duration of the drive, minutes
     #[arg(long, default_value_t = 3.0, value_parser = minutes)]

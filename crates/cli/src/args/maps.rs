@@ -150,8 +150,8 @@ pub struct CostmapArgs {
     /// The map (.osm or .osm.pbf)
     #[arg(long)]
     pub map: PathBuf,
-    /// The file to write (.yaml)
-    #[arg(long, value_name = "FILE.yaml")]
+    /// The file to write; its image is written beside it
+    #[arg(long, value_name = "FILE.yaml", value_parser = yaml_file)]
     pub out: PathBuf,
     /// Part of the map
     #[command(flatten)]

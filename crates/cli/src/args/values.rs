@@ -1,6 +1,7 @@
 //! How values on the command line are read.
 
 use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 
 use openbench_core::{LonLat, MapPoint, Pose2};
 use openbench_osm::{Window, WindowError};
@@ -34,6 +35,43 @@ pub(super) fn key_value(text: &str) -> Result<(String, String), ValueError> {
         .split_once('=')
         .ok_or_else(|| unexpected(text, "KEY=VALUE"))?;
     Ok((key.trim().to_owned(), value.trim().to_owned()))
+}
+
+/// A file that the map server of ROS reads.
+pub(super) fn yaml_file(text: &str) -> Result<PathBuf, ValueError> {
+    file_of_kind(text, &["yaml", "yml"], "a file whose name ends in .yaml")
+}
+
+/// A log.
+pub(super) fn mcap_file(text: &str) -> Result<PathBuf, ValueError> {
+    file_of_kind(text, &["mcap"], "a file whose name ends in .mcap")
+}
+
+/// A picture.
+pub(super) fn picture_file(text: &str) -> Result<PathBuf, ValueError> {
+    let expected = "a file whose name ends in .png or .jpg";
+    file_of_kind(text, &["png", "jpg", "jpeg"], expected)
+}
+
+/// A file to write, of the kind that its ending says.
+fn file_of_kind(
+    text: &str,
+    endings: &[&str],
+    expected: &'static str,
+) -> Result<PathBuf, ValueError> {
+    let ending = Path::new(text)
+        .extension()
+        .and_then(|ending| ending.to_str());
+    let fits = ending.is_some_and(|ending| {
+        endings
+            .iter()
+            .any(|known| ending.eq_ignore_ascii_case(known))
+    });
+    if fits {
+        Ok(text.into())
+    } else {
+        Err(unexpected(text, expected))
+    }
 }
 
 /// The first and the last of some seeds.
@@ -170,6 +208,24 @@ mod tests {
         assert!(lonlat("7.4").is_err() && lonlat("7.4,91").is_err() && lonlat("a,b").is_err());
         assert_eq!(key_value("a=b=c").unwrap(), ("a".into(), "b=c".into()));
         assert!(key_value("a").is_err());
+    }
+
+    #[test]
+    fn files_have_the_ending_of_what_is_written() {
+        assert_eq!(
+            yaml_file("a/ground.yaml").unwrap(),
+            Path::new("a/ground.yaml")
+        );
+        assert!(picture_file("view.PNG").is_ok() && picture_file("view.jpeg").is_ok());
+        assert!(mcap_file("drive.mcap").is_ok());
+        for name in ["drive.bag", "mcap", "drive", ".mcap"] {
+            assert!(mcap_file(name).is_err(), "{name}");
+        }
+        let error = picture_file("tour.gif").unwrap_err().to_string();
+        assert!(
+            error.contains("tour.gif") && error.contains(".png"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -159,7 +159,7 @@ pub struct ShowArgs {
     #[arg(long, value_name = "M", conflicts_with = "from", value_parser = radius)]
     pub above: Option<f64>,
     /// File for the image: PNG, or JPEG if the name ends in .jpg
-    #[arg(long, default_value = "world.png")]
+    #[arg(long, default_value = "world.png", value_parser = picture_file)]
     pub out: PathBuf,
     /// JPEG quality, 1 to 100
     #[arg(long, default_value_t = 90, value_parser = clap::value_parser!(u8).range(1..=100))]
