@@ -348,6 +348,34 @@ fn an_out_folder_that_is_a_file_is_named() {
 }
 
 #[test]
+fn nothing_that_a_run_reads_is_removed_by_it() {
+    let place = town();
+    let deliveries = place.read("one.txt");
+    std::fs::create_dir_all(place.path("q/episodes")).unwrap();
+    std::fs::create_dir_all(place.path("mine/unfinished")).unwrap();
+    for (file, out) in [
+        ("q/episodes/000.models.jsonl", "q"),
+        ("mine/unfinished/deliveries.txt", "mine"),
+    ] {
+        place.file(file, &deliveries);
+        let words = format!("--deliveries {file} --targets planner --out {out}");
+        let words = format!("{words} --set reader={NOBODY}");
+        deliver(&place, &words).refused_with(&[file]);
+        assert_eq!(place.read(file), deliveries);
+    }
+    // Nor what lies beside it.
+    let words = format!("--deliveries one.txt --targets planner --out mine --set reader={NOBODY}");
+    deliver(&place, &words).refused_with(&["deliveries.txt", "no run has written it"]);
+    let map = place.read("town.osm");
+    for words in ["plan --map town.osm x", "srtp --data town.osm"] {
+        place
+            .openbench(&format!("{words} --planner {NOBODY} --exchanges town.osm"))
+            .refused_with(&["town.osm would overwrite town.osm"]);
+    }
+    assert_eq!(place.read("town.osm"), map);
+}
+
+#[test]
 fn a_memory_that_is_no_map_is_refused() {
     let place = town();
     place

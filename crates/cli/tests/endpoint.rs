@@ -248,7 +248,25 @@ fn a_mission_goes_on_without_its_readers_endpoint_if_another_stands_in() {
 }
 
 #[test]
-fn a_spent_budget_leaves_the_plan_to_the_grammar() {
+fn a_planner_that_answers_does_not_hide_a_reader_out_of_reach() {
+    let place = town();
+    let planner = endpoint(|_, _| says(right()));
+    let words = format!(
+        "--deliveries one.txt --targets planner --out run --set planner={planner} \
+         --set reader={NOBODY}"
+    );
+    let ran = deliver(&place, &words);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("--set reader=MODEL,OTHER"),
+        "{}",
+        ran.stderr
+    );
+    assert!(!place.path("run/results.json").exists());
+}
+
+#[test]
+fn a_spent_budget_leaves_the_addresses_unverified_and_no_plate_read() {
     let place = town();
     let (planner, reader) = (endpoint(|_, _| says(right())), reader_that_says(UNIT_1));
     let run = |budget: &str| {
@@ -261,10 +279,8 @@ fn a_spent_budget_leaves_the_plan_to_the_grammar() {
     };
     let results = run("1,100000,100").succeeded().json();
     assert_eq!(results["models"]["calls"], 1, "{results}");
-    assert_eq!(
-        results["metrics"]["srtp"], 1.0,
-        "the grammar made the plan: {results}"
-    );
+    // What the first answer says stands, since nothing in it contradicts the instruction.
+    assert_eq!(results["metrics"]["srtp"], 1.0, "{results}");
     assert_eq!(
         results["deliveries"][0]["failure"], "reader_unavailable",
         "{results}"

@@ -106,12 +106,29 @@ impl RunFolder {
     }
 
     /// Removes what an interrupted run has left.
+    ///
+    /// # Errors
+    /// Files that no run has written: they are somebody's own.
     fn discard(&self) -> Result<(), BenchError> {
         let folder = self.unfinished();
+        if let Some(path) = foreign_file(&folder)? {
+            let problem = "no run has written it, and it would be removed; move it away, or choose \
+                           another folder with --out";
+            return Err(BenchError::bad_file(&path, problem));
+        }
         match std::fs::remove_dir_all(&folder) {
             Err(e) if e.kind() != ErrorKind::NotFound => Err(BenchError::file(&folder, e)),
             _ => Ok(()),
         }
+    }
+
+    /// A file that has the name of a run's file, in a folder in which no run has ended.
+    fn foreign_results(&self) -> Option<PathBuf> {
+        if self.out.join(RUN).exists() {
+            return None;
+        }
+        let paths = FILES.iter().map(|name| self.out.join(name));
+        paths.into_iter().find(|path| path.exists())
     }
 
     /// The folder of the run in progress.
@@ -125,6 +142,11 @@ impl RunFolder {
         record: &RunRecord,
         memory: Option<&OsmData>,
     ) -> Result<(), BenchError> {
+        if let Some(path) = self.foreign_results() {
+            let problem = "no run has written it, and it would be replaced; choose another folder \
+                           with --out";
+            return Err(BenchError::bad_file(&path, problem));
+        }
         self.discard()?;
         let folder = self.unfinished();
         let episodes = folder.join(EPISODES);
@@ -218,6 +240,26 @@ pub(super) fn run_files(folder: &Path) -> Result<BTreeSet<String>, BenchError> {
         }
     }
     Ok(files)
+}
+
+/// A file in the folder of a run in progress that no run writes there.
+fn foreign_file(unfinished: &Path) -> Result<Option<PathBuf>, BenchError> {
+    let names = [COMPLETE, EPISODES].into_iter().chain(FILES);
+    // A file that is being written has its name and more.
+    let is_known = |name: &str| names.clone().any(|known| name.starts_with(known));
+    let entries = match std::fs::read_dir(unfinished) {
+        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
+        entries => entries.map_err(|e| BenchError::file(unfinished, e))?,
+    };
+    for entry in entries {
+        let name = entry
+            .map_err(|e| BenchError::file(unfinished, e))?
+            .file_name();
+        if !name.to_str().is_some_and(is_known) {
+            return Ok(Some(unfinished.join(name)));
+        }
+    }
+    Ok(None)
 }
 
 fn is_file_of_run(name: &str) -> bool {
@@ -350,6 +392,27 @@ mod tests {
             RunFolder::lock(out).unwrap();
             check_new_alone(out);
         }
+    }
+
+    #[test]
+    fn nothing_is_removed_or_replaced_that_no_run_has_written() {
+        let place = tempfile::tempdir().unwrap();
+        let out = place.path();
+        let own = out.join(UNFINISHED).join("suite.toml");
+        std::fs::create_dir_all(out.join(UNFINISHED)).unwrap();
+        std::fs::write(&own, "mine").unwrap();
+        let error = RunFolder::lock_and_discard(out).unwrap_err().to_string();
+        assert!(error.contains("suite.toml"), "{error}");
+        std::fs::remove_file(&own).unwrap();
+        // What a run was writing when it was killed is a run's.
+        put(&out.join(UNFINISHED), &["run.json.tmp-1"], "new");
+        let folder = RunFolder::lock_and_discard(out).unwrap();
+        assert!(!out.join(UNFINISHED).exists());
+        assert_eq!(folder.foreign_results(), None);
+        std::fs::write(out.join(REPORT), "mine").unwrap();
+        assert_eq!(folder.foreign_results(), Some(out.join(REPORT)));
+        std::fs::write(out.join(RUN), "of a run").unwrap();
+        assert_eq!(folder.foreign_results(), None);
     }
 
     #[test]

@@ -2,21 +2,27 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use openbench_core::FailureCause;
+use openbench_core::{FailureCause, ModelUse};
 
 use crate::BenchError;
-use crate::trace::EpisodeTrace;
+use crate::trace::{Deed, EpisodeTrace};
 
-/// Whether a model has answered so far in any episode of a run.
+/// Whether a model has answered so far in any episode of a run: that of the planner, and any other.
 #[derive(Debug, Default)]
-pub(super) struct Reached(AtomicBool);
+pub(super) struct Reached {
+    planner: AtomicBool,
+    reader: AtomicBool,
+}
 
 impl Reached {
     /// Notes whether a model answered in an episode.
     pub(super) fn note(&self, trace: &EpisodeTrace) {
-        if trace.models.calls > trace.models.failed {
-            // Relaxed suffices: the flag alone is shared, and it only ever rises.
-            self.0.store(true, Ordering::Relaxed);
+        let used = Uses::of(trace);
+        for (reached, used) in [(&self.planner, used.planner), (&self.reader, used.reader)] {
+            if used.calls > used.failed {
+                // Relaxed suffices: the flag alone is shared, and it only ever rises.
+                reached.store(true, Ordering::Relaxed);
+            }
         }
     }
 
@@ -27,13 +33,18 @@ impl Reached {
     /// [`BenchError::Unreachable`].
     pub(super) fn check(&self, trace: &EpisodeTrace, episode: usize) -> Result<(), BenchError> {
         self.note(trace);
-        if trace.models.failed == 0 || self.0.load(Ordering::Relaxed) {
-            return Ok(());
-        }
+        let used = Uses::of(trace);
+        let never = |reached: &AtomicBool, used: ModelUse| {
+            used.failed > 0 && !reached.load(Ordering::Relaxed)
+        };
         let failures = trace.tasks.iter().filter_map(|task| task.failure.as_ref());
         let unavailable = failures.filter_map(|failure| match failure.cause {
-            FailureCause::PlannerUnavailable => Some(("planner", failure)),
-            FailureCause::ReaderUnavailable => Some(("reader", failure)),
+            FailureCause::PlannerUnavailable if never(&self.planner, used.planner) => {
+                Some(("planner", failure))
+            }
+            FailureCause::ReaderUnavailable if never(&self.reader, used.reader) => {
+                Some(("reader", failure))
+            }
             _ => None,
         });
         match unavailable.into_iter().next() {
@@ -47,12 +58,49 @@ impl Reached {
     }
 }
 
+/// What an episode asked of models.
+struct Uses {
+    /// For its plan.
+    planner: ModelUse,
+    /// Afterwards.
+    reader: ModelUse,
+}
+
+impl Uses {
+    fn of(trace: &EpisodeTrace) -> Self {
+        let planned = trace.deeds.iter().find(|deed| is_plan(&deed.deed));
+        let first = trace.deeds.iter().find_map(|deed| match &deed.deed {
+            Deed::Asked(used) => Some((deed.step, *used)),
+            _ => None,
+        });
+        let failed = |cause| {
+            let mut failures = trace.tasks.iter().filter_map(|task| task.failure.as_ref());
+            failures.any(|failure| failure.cause == cause)
+        };
+        let planner = match (planned, first) {
+            // An agent plans before it drives, and then reports what it asked.
+            (Some(planned), Some((step, used))) if step == planned.step => used,
+            // What has no plan reads no plates.
+            (None, _) if failed(FailureCause::PlannerUnavailable) => trace.models,
+            _ => ModelUse::default(),
+        };
+        Self {
+            planner,
+            reader: trace.models.since(planner),
+        }
+    }
+}
+
+fn is_plan(deed: &Deed) -> bool {
+    matches!(deed, Deed::Planned(_))
+}
+
 #[cfg(test)]
 mod tests {
-    use openbench_core::ModelUse;
+    use openbench_core::Plan;
 
     use super::*;
-    use crate::trace::{Failure, TaskOutcome};
+    use crate::trace::{Failure, TaskOutcome, TimedDeed};
 
     /// An episode that failed for a cause after some questions without an answer.
     fn unanswered(cause: FailureCause, calls: u32, failed: u32) -> EpisodeTrace {
@@ -93,5 +141,33 @@ mod tests {
         // What fails for another reason says nothing about the model.
         let stuck = unanswered(FailureCause::Stuck, 1, 1);
         assert!(Reached::default().check(&stuck, 0).is_ok());
+    }
+
+    #[test]
+    fn a_planner_that_answers_does_not_stand_for_a_reader_that_never_does() {
+        let plan = Plan {
+            planner: "test".into(),
+            deliveries: Vec::new(),
+            fallbacks: Vec::new(),
+        };
+        let asked = ModelUse {
+            calls: 2,
+            ..ModelUse::default()
+        };
+        let mut episode = unanswered(FailureCause::ReaderUnavailable, 3, 1);
+        let deeds = [Deed::Planned(plan), Deed::Asked(asked)];
+        episode.deeds = deeds.map(|deed| TimedDeed { step: 0, deed }).into();
+        let reached = Reached::default();
+        let error = reached.check(&episode, 0).unwrap_err().to_string();
+        assert!(error.contains("--set reader="), "{error}");
+        // Nor does a reader stand for a planner.
+        let mut read = unanswered(FailureCause::Stuck, 1, 0);
+        read.deeds = episode.deeds[..1].into();
+        let reached = Reached::default();
+        reached.note(&read);
+        let silent = unanswered(FailureCause::PlannerUnavailable, 1, 1);
+        assert!(reached.check(&silent, 1).is_err());
+        let silent = unanswered(FailureCause::ReaderUnavailable, 1, 1);
+        assert!(reached.check(&silent, 2).is_ok());
     }
 }

@@ -64,18 +64,19 @@ pub fn read_part(path: &Path, cut: &CutArgs) -> anyhow::Result<(OsmData, Georefe
     Ok((map, georeference))
 }
 
-/// The models of a command that plans: as much as it takes, recorded in a file if one is named.
-pub fn unbounded_models(planner: &str, exchanges: Option<&Path>) -> anyhow::Result<Models> {
-    let read = planner.strip_prefix("replay:").map(Path::new);
-    if let (Some(read), Some(kept)) = (read, exchanges)
-        // By name as well: a file that does not exist yet has no canonical path.
-        && (read == kept || is_same_file(read, kept))
-    {
-        anyhow::bail!(
-            "{} cannot be read and written at once; name another file",
-            kept.display()
-        );
-    }
+/// The models of a command that plans: as much as it takes, recorded in a file if one is named,
+/// which must be none that the command reads.
+pub fn unbounded_models(
+    planner: &str,
+    read: &[&Path],
+    exchanges: Option<&Path>,
+) -> anyhow::Result<Models> {
+    let files = planner.split(',').filter_map(|model| {
+        let file = model.strip_prefix("replay:");
+        file.or_else(|| model.strip_prefix("local:"))
+    });
+    let read: Vec<&Path> = read.iter().copied().chain(files.map(Path::new)).collect();
+    spare_inputs(&read, exchanges.as_slice())?;
     let budget = Budget {
         calls: u32::MAX,
         tokens: u64::MAX,

@@ -22,7 +22,7 @@ struct Planned {
 
 /// Prints what an instruction asks for.
 pub fn run(args: &PlanArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
-    let mut models = unbounded_models(&args.planner, args.exchanges.as_deref())?;
+    let mut models = unbounded_models(&args.planner, &[&args.map], args.exchanges.as_deref())?;
     let planner = parts.planner(&args.planner, &mut models)?;
     let data = read_data(&args.map)?;
     let georeference =

@@ -52,11 +52,11 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
     let fits = factory.check_robot(&settings, &prepared.robot);
     fits.map_err(anyhow::Error::from_boxed)?;
     prepare_agent(factory, &settings)?;
-    let read = factory
-        .inputs(&settings)
-        .into_iter()
-        .chain(args.memory.clone());
-    spare(&args.out, &read.collect::<Vec<_>>())?;
+    let mut read = factory.inputs(&settings);
+    read.extend(inputs(args, &prepared.suite.world));
+    for out in seeds::folders(args) {
+        spare(&out, &read)?;
+    }
     if let Some(memory) = &args.memory {
         spare_inputs(memory, &prepared.suite.world, args)?;
     }
@@ -222,14 +222,23 @@ fn refuse_other_maps(prepared: &Prepared, path: &Path, memory: &OsmData) -> anyh
     }
 }
 
+/// The files and folders that a run reads, besides those of its agent.
+fn inputs(args: &RunArgs, world: &WorldSource) -> Vec<PathBuf> {
+    let named = [&args.deliveries, &args.truth, &args.memory];
+    let suite = args.suite.as_ref().map(PathBuf::from);
+    let paths = world.paths().into_iter().map(Path::to_owned);
+    paths
+        .chain(named.into_iter().flatten().cloned())
+        .chain(suite)
+        .collect()
+}
+
 /// Refuses a memory that is another input of the run, or a file of its results: it is written when
 /// the run is complete.
 fn spare_inputs(memory: &Path, world: &WorldSource, args: &RunArgs) -> anyhow::Result<()> {
     let results = ["run.json", Results::FILE, "report.html"].map(|name| args.out.join(name));
-    let named = [&args.deliveries, &args.truth].into_iter().flatten();
-    let suite = args.suite.as_ref().map(PathBuf::from);
-    let inputs = world.paths().into_iter().map(Path::to_owned);
-    let all = inputs.chain(named.cloned()).chain(suite).chain(results);
+    let others = inputs(args, world).into_iter();
+    let all = others.filter(|path| path != memory).chain(results);
     // A file that does not exist yet lies where its folder is.
     let whole = |path: &Path| {
         let folder = path.parent().filter(|folder| *folder != Path::new(""));
@@ -268,9 +277,14 @@ fn spare(out: &Path, read: &[PathBuf]) -> anyhow::Result<()> {
             continue;
         };
         let replaced = [
-            folder.join("episodes"),
-            folder.join(openbench_bench::MEMORY_BEFORE),
-        ];
+            "episodes",
+            openbench_bench::UNFINISHED,
+            openbench_bench::MEMORY_BEFORE,
+            "run.json",
+            "report.html",
+            Results::FILE,
+        ]
+        .map(|name| folder.join(name));
         if replaced.iter().any(|replaced| full.starts_with(replaced)) {
             anyhow::bail!(
                 "{} belongs to an earlier run in {}, which is replaced; copy it, or choose \

@@ -1,8 +1,10 @@
 //! `openbench srtp`
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use openbench_agents::open::Catalogue;
+use openbench_bench::score::metrics::PAPER_SRTP;
 use openbench_language::{ChatPlanner, Planner};
 use openbench_trials::instructions::score::{Scores, Share, score};
 use openbench_trials::instructions::{Difficulty, Split, built_in, read};
@@ -12,21 +14,16 @@ use crate::commands::{read_map, unbounded_models};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::{progress_bar, tell_tenths};
 
-/// What the paper's table has: a model, and its SRTP over 60 runs.
-const PAPER: [(&str, f64); 6] = [
-    ("Gemini-1.5-pro", 0.27),
-    ("Qwen-turbo", 0.5),
-    ("WenXinYiYan", 0.6),
-    ("GPT-3.5-turbo", 0.9),
-    ("Claude-3.5", 0.97),
-    ("GPT-4o-mini", 1.0),
-];
 /// Most misunderstandings that the table lists.
 const SHOWN: usize = 10;
 
 /// Prints how many instructions a planner understands.
 pub fn run(args: &SrtpArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
-    let mut models = unbounded_models(&args.planner, args.exchanges.as_deref())?;
+    let inputs: Vec<&Path> = [&args.data, &args.map]
+        .into_iter()
+        .filter_map(Option::as_deref)
+        .collect();
+    let mut models = unbounded_models(&args.planner, &inputs, args.exchanges.as_deref())?;
     let planner: Box<dyn Planner> = if args.bare {
         Box::new(ChatPlanner::unverified(models.open(&args.planner)?))
     } else {
@@ -127,7 +124,7 @@ fn table(scores: &Scores, what: &str) -> String {
         text,
         "\n\nThe paper's table, of other instructions, 60 runs each (not run here):"
     );
-    for (model, srtp) in PAPER {
+    for (model, srtp) in PAPER_SRTP {
         let _ = write!(text, " {model} {:.0},", 100.0 * srtp);
     }
     text.trim_end_matches(',').to_owned() + "\n"

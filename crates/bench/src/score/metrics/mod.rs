@@ -38,6 +38,6 @@ pub use encounters::EncounterSum;
 pub use localization::{ErrorCounts, LocalizationSum};
 pub use path_ratio::{path_ratio, spl};
 pub use sequence::sequence_mean;
-pub use srtp::{ExpectedPlan, Understood};
+pub use srtp::{ExpectedPlan, PAPER_SRTP, Understood};
 pub use success::{Strict, paper_success};
 pub use summary::{RunTotals, summarize};

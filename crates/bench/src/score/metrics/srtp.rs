@@ -6,6 +6,16 @@ use openbench_osm::{Location, OsmMap, locate};
 
 use crate::score::statistics::Proportion;
 
+/// What the paper reports: a model, and its SRTP over 60 runs.
+pub const PAPER_SRTP: [(&str, f64); 6] = [
+    ("Gemini-1.5-pro", 0.27),
+    ("Qwen-turbo", 0.5),
+    ("WenXinYiYan", 0.6),
+    ("GPT-3.5-turbo", 0.9),
+    ("Claude-3.5", 0.97),
+    ("GPT-4o-mini", 1.0),
+];
+
 /// Instructions that were understood, among all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Understood {
