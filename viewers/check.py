@@ -20,7 +20,7 @@ from rosbags.typesys import Stores, get_typestore
 
 EXPECTED = {
     "/tf", "/tf_static", "/clock", "/cmd_vel", "/robot_description", "/camera/camera_info",
-    "/map/markers", "/ground_truth/doors", "/ground_truth/odom", "/livox/lidar",
+    "/map/markers", "/ground_truth/doors", "/ground_truth/odom", "/livox/lidar", "/costmap",
 }
 
 

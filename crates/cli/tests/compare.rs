@@ -40,6 +40,24 @@ fn the_means_over_seeds_are_written_and_seeds_that_are_done_are_kept() {
     let line = "3 of 3 episodes: 2.1 unit2, building2: delivered";
     assert!(ran.stderr.contains(line), "{}", ran.stderr);
 
+    // The means are verified with the runs.
+    let verified = place.openbench("verify runs");
+    let said = &verified.succeeded().stdout;
+    assert!(
+        said.contains("seed-5: 3 episodes") && said.contains("the means of"),
+        "{said}"
+    );
+    let text = place.read("runs/means.json");
+    place.file(
+        "runs/means.json",
+        text.replacen("\"mean\": 1.0", "\"mean\": 0.9", 1),
+    );
+    let altered = place.openbench("verify runs");
+    assert_eq!(altered.code, 1, "{}", altered.stderr);
+    let why = "means.json is not what the run gives";
+    assert!(altered.stderr.contains(why), "{}", altered.stderr);
+    place.file("runs/means.json", text);
+
     let again = drive(&place, "--agent omniscient --seeds 4..6 --out runs");
     again.succeeded();
     assert!(again.stderr.contains("seed 4 is done already"));

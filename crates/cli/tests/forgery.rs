@@ -121,7 +121,7 @@ fn exchange(place: &Place, name: &str) {
     std::fs::copy(from, place.path("forged").join(name)).unwrap();
 }
 
-const RESULTS: [(&str, Forgery); 25] = [
+const RESULTS: [(&str, Forgery); 27] = [
     ("a key twice", |p| {
         let text = p.read("forged/results.json");
         let twice = text.replacen("{", "{ \"agent\": \"mine\",", 1);
@@ -137,6 +137,12 @@ const RESULTS: [(&str, Forgery); 25] = [
         results(p, |r| {
             r["metrics"]["intervals"]["sr_2m"] = json!([0.9, 1.0])
         })
+    }),
+    ("a time before the start", |p| {
+        results(p, |r| r["metrics"]["wall_seconds"] = json!(-5.0))
+    }),
+    ("a speed without a time", |p| {
+        results(p, |r| r["metrics"]["wall_seconds"] = json!(null))
     }),
     ("a delivery that failed", |p| {
         results(p, |r| {

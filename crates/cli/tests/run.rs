@@ -67,7 +67,15 @@ fn results_hold_every_key_that_programs_read() {
         keys.split(' ')
             .for_each(|key| assert!(value.get(key).is_some(), "{key}: {value}"))
     };
-    has(&results, "suite agent seed version metrics deliveries");
+    has(
+        &results,
+        "suite agent seed version metrics deliveries episodes provenance settings targets sensors \
+         traffic doors attribution",
+    );
+    let provenance = &results["provenance"];
+    has(provenance, "build processor hashes models uses_truth");
+    has(&provenance["build"], "commit program target");
+    has(&provenance["hashes"], "world map suite");
     has(
         &results["metrics"],
         "sr_10m spl_straight sr_2m correct_unit spl lsr lspl collisions path_m sim_seconds \
@@ -308,6 +316,14 @@ fn a_listed_fallback_plans_where_the_planner_is_out_of_reach_and_is_named() {
         table.contains("another planner made a part of the plan in 1 of 1 episode (0)"),
         "{table}"
     );
+    // For each delivery, too, and in the report.
+    let asked = |line: &str| line.contains("to models,") && !line.contains(", 0 without an answer");
+    assert!(table.lines().any(asked), "{table}");
+    assert!(table.contains("doors by the planner grammar: "), "{table}");
+    let report = place.read("runs/latest/report.html");
+    for part in ["doors were chosen", "in vain"] {
+        assert!(report.contains(part), "{part}");
+    }
 }
 
 #[test]

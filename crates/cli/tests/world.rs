@@ -451,6 +451,17 @@ fn village_with_doors() -> Place {
 }
 
 #[test]
+fn the_public_map_does_not_tell_whether_there_were_doors() {
+    let public = |place: &Place| {
+        place
+            .openbench("world generate --map village.osm --out w")
+            .succeeded();
+        place.read("w/public.osm")
+    };
+    assert_eq!(public(&village()), public(&village_with_doors()));
+}
+
+#[test]
 fn the_map_of_a_world_is_no_memory_of_a_run() {
     let place = village_with_doors();
     place

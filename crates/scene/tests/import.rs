@@ -442,6 +442,11 @@ fn plates_become_doors_of_the_nearest_building() {
         public.entrances.is_empty() && public.buildings.len() == 2,
         "the public map has no doors"
     );
+    let nodes = world.map.nodes.keys().copied();
+    assert!(
+        nodes.eq(1..=world.map.nodes.len() as i64),
+        "its numbers do not say what was removed"
+    );
 }
 
 /// An infinite ground, a box, a road and a door, all moved by some offset.

@@ -25,6 +25,17 @@ pub fn percent(rate: f64) -> String {
     format!("{:.1}", rate * 100.0)
 }
 
+/// An interval of shares in percent, without its sign. One that is narrower than a point has a
+/// decimal, since it would look like a single number otherwise.
+pub fn interval_text([low, high]: &[f64; 2], between: &str) -> String {
+    let decimals = usize::from(high - low < 0.01);
+    format!(
+        "{:.decimals$}{between}{:.decimals$}",
+        low * 100.0,
+        high * 100.0
+    )
+}
+
 /// `value` with a number of `decimals`, or a dash if it is missing or not finite.
 pub fn number(value: Option<f64>, decimals: usize) -> String {
     match value {

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde::Deserialize;
 
 use super::html::{escape, percent};
+use crate::score::metrics::PAPER_SRTP;
 use crate::score::results::Results;
 
 /// Measured by `benchmarks/reference/reference.py`.
@@ -65,8 +66,24 @@ impl Shares {
     }
 }
 
-/// Writes a table of this run and of the references in its suite; nothing in other suites.
+/// Writes a table of this run and of the references in its suite, and the paper's SRTP if the run
+/// has one.
 pub fn render(out: &mut String, results: &Results) {
+    table(out, results);
+    if let Some(srtp) = results.metrics.srtp {
+        let models = PAPER_SRTP.map(|(model, srtp)| format!("{model} {}", percent(srtp)));
+        let _ = writeln!(
+            out,
+            "<p class=\"note\">SRTP of this run: {} %. The paper reports, over 60 runs of other \
+             instructions: {}.</p>",
+            percent(srtp),
+            models.join(", ")
+        );
+    }
+}
+
+/// Nothing in suites without references.
+fn table(out: &mut String, results: &Results) {
     let references = in_suite(results);
     if references.is_empty() {
         return;
@@ -157,5 +174,9 @@ mod tests {
         run.provenance.hashes.world = known.world_hash.clone();
         render(&mut out, &run);
         assert!(out.contains("this run") && out.contains(&known.agent));
+        assert!(!out.contains("SRTP"));
+        run.metrics.srtp = Some(0.5);
+        render(&mut out, &run);
+        assert!(out.contains("SRTP of this run: 50.0 %") && out.contains("Qwen-turbo 50.0"));
     }
 }

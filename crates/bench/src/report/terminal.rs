@@ -6,7 +6,7 @@ use openbench_core::{Health, PlanPart};
 
 use super::contacts;
 use super::headline::{self, Headline};
-use super::html::{number, percent};
+use super::html::{interval_text, number, percent};
 use crate::plural::{count, plural};
 use crate::score::departures::departures;
 use crate::score::results::{DeliveryResult, EpisodeResult, Metrics, Results};
@@ -167,23 +167,32 @@ fn rate(m: &Metrics, Headline { key, value, .. }: Headline) -> String {
         return "–".to_owned();
     };
     let interval = m.intervals.get(key).copied().flatten();
-    let interval = interval.map(|[low, high]| {
-        // An interval that is narrower than a point would look like a single number.
-        let decimals = usize::from(high - low < 0.01);
-        format!(" [{:.decimals$}-{:.decimals$}]", low * 100.0, high * 100.0)
-    });
+    let interval = interval.map(|interval| format!(" [{}]", interval_text(&interval, "-")));
     format!("{} %{}", percent(value), interval.unwrap_or_default())
 }
 
-/// Lines with some metrics, `columns` in each; none without metrics.
+/// Lines with some metrics, at most `columns` in each; none without metrics.
 fn rates(out: &mut String, m: &Metrics, name: &str, metrics: &[Headline], columns: usize) {
-    for (i, line) in metrics.chunks(columns).enumerate() {
-        let cells: String = line
-            .iter()
-            .map(|metric| format!("  {} {}", metric.label, pad(&rate(m, *metric), 16)))
-            .collect();
-        let name = if i == 0 { name } else { "" };
-        let _ = writeln!(out, "{}", format!("{name:<7}{cells}").trim_end());
+    // Narrow intervals have decimals, and fewer fit then.
+    const CELL_COLUMNS: usize = 16;
+    let cell = |metric: &Headline| {
+        let rate = rate(m, *metric);
+        let width = text_columns(&rate).max(CELL_COLUMNS);
+        format!("  {} {}", metric.label, pad(&rate, width))
+    };
+    let mut lines = vec![format!("{name:<7}")];
+    for (i, cell) in metrics.iter().map(cell).enumerate() {
+        let last = lines.last().map_or(0, |line| text_columns(line));
+        let is_full = last + text_columns(cell.trim_end()) > LINE_COLUMNS;
+        if i > 0 && (i % columns == 0 || is_full) {
+            lines.push(format!("{:<7}", ""));
+        }
+        if let Some(line) = lines.last_mut() {
+            line.push_str(&cell);
+        }
+    }
+    for line in lines.iter().filter(|_| !metrics.is_empty()) {
+        let _ = writeln!(out, "{}", line.trim_end());
     }
 }
 
@@ -350,6 +359,29 @@ mod tests {
         out.clear();
         named(&mut out, "note", &"x".repeat(200));
         assert_eq!(out.lines().count(), 1);
+    }
+
+    #[test]
+    fn a_narrow_interval_is_shown_whole_with_a_decimal() {
+        let mut results = results(vec![delivery(0, 0)]);
+        let metrics = &mut results.metrics;
+        for (key, value) in [
+            ("sr_2m", &mut metrics.sr_2m),
+            ("spl", &mut metrics.spl),
+            ("lsr", &mut metrics.lsr),
+            ("lspl", &mut metrics.lspl),
+        ] {
+            *value = Some(0.998);
+            metrics
+                .intervals
+                .insert(key.to_owned(), Some([0.9961, 0.9999]));
+        }
+        let table = terminal_table(&results);
+        assert!(table.contains("SPL 99.8 % [99.6-100.0]"), "{table}");
+        assert!(
+            table.lines().all(|line| text_columns(line) <= 100),
+            "{table}"
+        );
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::contacts;
 use super::headline::{self, Headline};
-use super::html::{escape, number, percent};
+use super::html::{escape, interval_text, number, percent};
 use super::reference;
 use crate::score::results::{Metrics, Results};
 
@@ -60,7 +60,7 @@ fn tile(out: &mut String, label: &str, value: Option<f64>, interval: Option<&[f6
     );
     out.push_str(&interval_bar(value, interval));
     let words = match (value, interval) {
-        (Some(_), Some([low, high])) => format!("{:.0} to {:.0} %", low * 100.0, high * 100.0),
+        (Some(_), Some(interval)) => interval_text(interval, " to ") + " %",
         (Some(_), None) => "no interval".to_owned(),
         // SR and SPL need single deliveries, LSR and LSPL sequences.
         (None, _) if label.starts_with('L') => "no sequences".to_owned(),

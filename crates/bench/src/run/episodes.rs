@@ -396,3 +396,70 @@ impl Observer for StopSign<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::error::Error;
+    use std::sync::Mutex;
+
+    use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
+
+    use super::*;
+    use crate::run::{AgentFactory, AgentRequest};
+    use crate::worlds::builtin_suite;
+
+    /// Gives up at once.
+    struct Idle;
+
+    impl Agent for Idle {
+        fn begin(&mut self, _: &Briefing, _: &mut dyn Events) -> Result<(), GiveUp> {
+            Err(GiveUp {
+                address: None,
+                cause: FailureCause::Briefing,
+                detail: String::new(),
+            })
+        }
+
+        fn act(&mut self, _: &Observation<'_>, _: &mut dyn Events) -> Action {
+            Action::Drive(openbench_core::Velocity::ZERO)
+        }
+    }
+
+    /// Notes the seeds with which it makes agents.
+    #[derive(Default)]
+    struct Factory(Mutex<Vec<u64>>);
+
+    impl AgentFactory for Factory {
+        fn make(
+            &self,
+            request: &AgentRequest<'_>,
+        ) -> Result<Box<dyn Agent>, Box<dyn Error + Send + Sync>> {
+            self.0.lock().unwrap().push(request.seed);
+            Ok(Box::new(Idle))
+        }
+    }
+
+    #[test]
+    fn no_agent_gets_a_seed_of_the_simulator() {
+        let prepared = Prepared::new(builtin_suite("small").unwrap(), None).unwrap();
+        let factory = Factory::default();
+        let request = RunRequest::new(&prepared, "idle", &factory);
+        for seed in [0, 1] {
+            run(&RunRequest { seed, ..request }).unwrap();
+        }
+        let given = factory.0.into_inner().unwrap();
+        assert_eq!(given.len(), 2 * prepared.episodes.len());
+        let distinct: BTreeSet<u64> = given.iter().copied().collect();
+        assert_eq!(distinct.len(), given.len());
+        for seed in [0, 1] {
+            let numbers = 0..prepared.episodes.len();
+            for used in numbers
+                .map(|number| episode_seed(seed, number))
+                .chain([seed])
+            {
+                assert!(!distinct.contains(&used));
+            }
+        }
+    }
+}

@@ -209,6 +209,10 @@ fn check_results(run: &Path, finished: &FinishedRun<'_>) -> Result<(), BenchErro
     }
     // With the times of the file, which the report shows.
     let results = Results::read(&path)?;
+    if !results.has_possible_times() {
+        let detail = "no machine needs such a time".to_owned();
+        return Err(BenchError::Altered { path, detail });
+    }
     check_text(&path, &computed.with_times_of(&results).to_json())?;
     let report = report_of(finished, &results);
     let path = run.join(REPORT);

@@ -318,6 +318,16 @@ impl Results {
         sums.filter(|sum| sum.silent_divergences > 0).count()
     }
 
+    /// Whether a machine can have needed the times in these results. Nobody can compute them again.
+    pub(crate) fn has_possible_times(&self) -> bool {
+        let positive = |time: f64| time.is_finite() && time > 0.0;
+        match (self.metrics.wall_seconds, self.metrics.real_time_factor) {
+            (Some(wall), factor) => positive(wall) && factor.is_none_or(positive),
+            // A run that was continued has neither.
+            (None, factor) => factor.is_none(),
+        }
+    }
+
     /// These results with the machine-dependent times of others.
     pub(crate) fn with_times_of(mut self, other: &Self) -> Self {
         self.metrics.wall_seconds = other.metrics.wall_seconds;

@@ -327,7 +327,8 @@ mod tests {
     use super::*;
     use crate::suite::Sensors;
     use crate::worlds::builtin_suite;
-    use openbench_core::Velocity;
+    use openbench_core::{Address, Velocity};
+    use openbench_osm::add_entrance;
 
     #[test]
     fn agents_are_told_a_limit_that_depends_on_no_door() {
@@ -338,6 +339,36 @@ mod tests {
             let briefing = crate::run::Rollout::new(&prepared, number, 1).unwrap();
             assert_eq!(briefing.briefing().time_limit, told);
             assert!(episode.time_limit <= told * episode.targets.len() as u32);
+        }
+    }
+
+    #[test]
+    fn doors_in_the_map_do_not_change_the_limit_that_agents_are_told() {
+        let prepared = Prepared::world_of(builtin_suite("small").unwrap()).unwrap();
+        let (public, start) = (&prepared.public_map, prepared.world.start.point());
+        let mut data = prepared.world.map.clone();
+        for building in &public.buildings {
+            let at = building.polygon.outer[0];
+            let unit = Address::new("", "7");
+            add_entrance(&mut data, &public.projection, building.element, at, &unit).unwrap();
+        }
+        let map = OsmMap::new(&data, prepared.world.georeference);
+        assert_eq!(map.entrances.len(), public.buildings.len());
+        assert_eq!(public_time_limit(&map, start), prepared.public_time_limit);
+    }
+
+    #[test]
+    fn the_numbers_in_the_public_map_have_no_gaps_that_count_doors() {
+        for name in ["small", "medium", "large"] {
+            let prepared = Prepared::world_of(builtin_suite(name).unwrap()).unwrap();
+            let map = &prepared.world.map;
+            let is_counted = |ids: Vec<i64>| ids.iter().copied().eq(1..=ids.len() as i64);
+            assert!(is_counted(map.nodes.keys().copied().collect()), "{name}");
+            assert!(is_counted(map.ways.keys().copied().collect()), "{name}");
+            assert!(
+                is_counted(map.relations.keys().copied().collect()),
+                "{name}"
+            );
         }
     }
 

@@ -119,7 +119,7 @@ Examples:
   openbench verify runs/medium
   openbench verify runs/medium --agent --jobs 2")]
 pub struct VerifyArgs {
-    /// Folder of a run
+    /// Folder of a run, or of the runs of several seeds
     pub run: PathBuf,
     /// Run the agent again, with the recorded answers of models, and compare its actions
     #[arg(long)]

@@ -14,7 +14,7 @@ use crate::outcome::{Outcome, say, say_json, tell};
 use crate::signals::StopSignal;
 
 /// Name of the file with the means.
-const MEANS: &str = "means.json";
+pub const MEANS: &str = "means.json";
 /// Name of a seed's folder, up to its number.
 const SEED: &str = "seed-";
 
@@ -98,7 +98,16 @@ pub fn refuse_several_runs(out: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn folder(out: &Path, seed: u64) -> PathBuf {
+/// The folders of the runs that the arguments ask for.
+pub fn folders(args: &RunArgs) -> Vec<PathBuf> {
+    match &args.seeds {
+        None => vec![args.out.clone()],
+        Some(seeds) => seeds.clone().map(|seed| folder(&args.out, seed)).collect(),
+    }
+}
+
+/// The folder of a seed's run.
+pub fn folder(out: &Path, seed: u64) -> PathBuf {
     out.join(format!("{SEED}{seed}"))
 }
 
@@ -143,9 +152,7 @@ fn spare_other_runs(request: &RunRequest<'_>, seeds: &[Seed]) -> anyhow::Result<
 
 fn finish(means: &Means, args: &RunArgs) -> anyhow::Result<Outcome> {
     let path = args.out.join(MEANS);
-    let mut json = serde_json::to_vec_pretty(means)?;
-    json.push(b'\n');
-    write_atomically(&path, &json)?;
+    write_atomically(&path, &written(means)?)?;
     if args.json {
         say_json(means)?;
     } else {
@@ -153,4 +160,11 @@ fn finish(means: &Means, args: &RunArgs) -> anyhow::Result<Outcome> {
     }
     tell(&format!("means: {}", path.display()));
     Ok(Outcome::Done)
+}
+
+/// The content of the file of means.
+pub fn written(means: &Means) -> serde_json::Result<Vec<u8>> {
+    let mut json = serde_json::to_vec_pretty(means)?;
+    json.push(b'\n');
+    Ok(json)
 }

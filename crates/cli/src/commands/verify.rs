@@ -2,18 +2,61 @@
 
 use std::path::Path;
 
+use anyhow::Context;
 use openbench_bench::plural::count;
+use openbench_bench::score::across::{Means, System, means};
 use openbench_bench::{
-    Agents, BenchError, Prepared, RunRecord, RunRequest, memory_of, repeat, verify, verify_agent,
+    Agents, BenchError, Prepared, Results, RunRecord, RunRequest, memory_of, repeat, verify,
+    verify_agent,
 };
+use openbench_core::input;
 
 use crate::args::VerifyArgs;
 use crate::commands::run::{check_agent, prepare_agent};
+use crate::commands::seeds;
 use crate::outcome::{Outcome, say, tell};
 use crate::progress::progress_bar;
 
-/// Drives a run's actions again and compares its files; with `--agent` it runs the agent, too.
+/// Bound for a file of means, bytes. That of a thousand seeds has less than one.
+const MOST_BYTES_OF_MEANS: u64 = 16 << 20;
+
+/// Verifies a run, or the runs of several seeds and their means.
 pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
+    let path = args.run.join(seeds::MEANS);
+    if !path.exists() {
+        return verify_run(args, agents);
+    }
+    let text = input::read(&path, MOST_BYTES_OF_MEANS)
+        .with_context(|| format!("{} cannot be read", path.display()))?;
+    let recorded: Means = serde_json::from_slice(&text)
+        .with_context(|| format!("{} has no means", path.display()))?;
+    for seed in &recorded.seeds {
+        let run = seeds::folder(&args.run, *seed);
+        verify_run(&VerifyArgs { run, ..*args }, agents)?;
+    }
+    if text != seeds::written(&means_of(&args.run, &recorded)?)? {
+        let detail = "the runs of its seeds have other means".to_owned();
+        return Err(BenchError::Altered { path, detail }.into());
+    }
+    say(&format!(
+        "{}: they are the means of these runs\n",
+        path.display()
+    ))?;
+    Ok(Outcome::Done)
+}
+
+/// The means over the seeds that a file of means names.
+fn means_of(folder: &Path, recorded: &Means) -> anyhow::Result<Means> {
+    let seeds = recorded.seeds.iter();
+    let runs = seeds.map(|seed| Results::read(&seeds::folder(folder, *seed).join(Results::FILE)));
+    let runs = runs.collect::<Result<_, _>>()?;
+    // The folder's name then, which may have another one now.
+    let name = recorded.system.name.clone();
+    Ok(means(&System { name, runs }, 0))
+}
+
+/// Drives a run's actions again and compares its files; with `--agent` it runs the agent, too.
+fn verify_run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let record = RunRecord::read(&args.run)?;
     check_version(&record, &args.run)?;
     if record.episodes == 0 {
