@@ -103,8 +103,8 @@ path.display(), at.x, at.y
     },
     /// No model that a planner or reader asked has ever answered.
     #[error(
-        "episode {episode}: {detail}; the run ends, since no model has answered. To let another \
-         {part} of the agent stand in where the model does not answer, name it after the model: \
+        "episode {episode}: {detail}; the run ends, since the model of the {part} has never \
+         answered. To let another {part} stand in where it does not, name that after the model: \
          --set {part}=MODEL,OTHER"
     )]
     Unreachable {

@@ -22,12 +22,16 @@ pub fn progress_bar(length: usize, what: &'static str) -> ProgressBar {
     bar.with_style(style.with_key("to_go", time_to_go))
 }
 
-/// The time that is left. It is unknown until something is finished.
 fn time_to_go(state: &ProgressState, out: &mut dyn std::fmt::Write) {
-    let _ = match state.pos() {
-        0 => write!(out, "unknown time"),
-        _ => write!(out, "{:#}", HumanDuration(state.eta())),
-    };
+    let _ = out.write_str(&time_left(state.pos(), state.eta()));
+}
+
+/// The time that is left. It is unknown until something is finished.
+fn time_left(done: u64, estimate: Duration) -> String {
+    match done {
+        0 => "unknown time".to_owned(),
+        _ => format!("{:#}", HumanDuration(estimate)),
+    }
 }
 
 /// Shows how model files are downloaded: a message for each, and a bar if a person is watching.
@@ -114,10 +118,15 @@ pub fn doing_for_long<T>(what: &str, work: impl FnOnce() -> T) -> T {
 
 /// Writes a line at each tenth of the work, for output that is not a terminal.
 pub fn tell_tenths(done: usize, all: usize, what: &str) {
-    let tenths = |done: usize| 10 * done / all.max(1);
-    if tenths(done) > tenths(done.saturating_sub(1)) {
+    if is_tenth(done, all) {
         tell(&format!("{done} of {all} {what}"));
     }
+}
+
+/// Whether a tenth of the work ends with the item of this number, from 1.
+fn is_tenth(done: usize, all: usize) -> bool {
+    let tenths = |done: usize| 10 * done / all.max(1);
+    tenths(done) > tenths(done.saturating_sub(1))
 }
 
 /// Says what is being done, until it is done, without knowing how long that takes.
@@ -130,4 +139,22 @@ pub fn doing<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
     let done = work();
     spinner.finish_and_clear();
     done
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn before_anything_is_finished_nobody_knows_the_time_that_is_left() {
+        assert_eq!(time_left(0, Duration::ZERO), "unknown time");
+        assert_eq!(time_left(1, Duration::from_secs(90)), "2m");
+    }
+
+    #[test]
+    fn each_tenth_of_the_work_is_said_once() {
+        let said = |all: usize| (1..=all).filter(|done| is_tenth(*done, all)).count();
+        assert_eq!((said(1000), said(25), said(10), said(3)), (10, 10, 10, 3));
+        assert!(is_tenth(1000, 1000) && !is_tenth(99, 1000) && is_tenth(100, 1000));
+    }
 }

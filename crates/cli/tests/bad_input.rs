@@ -373,6 +373,22 @@ fn nothing_that_a_run_reads_is_removed_by_it() {
             .refused_with(&["town.osm would overwrite town.osm"]);
     }
     assert_eq!(place.read("town.osm"), map);
+    place
+        .file("g.g2o", "VERTEX_SE2 0 0 0 0\n")
+        .file("town.yaml", &map)
+        .file("pairs.csv", "3,0,3.0001,0\n");
+    for (words, file) in [
+        ("bench posegraph g.g2o --out g.g2o", "g.g2o"),
+        ("costmap --map town.yaml --out town.yaml", "town.yaml"),
+        (
+            "bench routing --map town.osm --pairs pairs.csv --answers pairs.csv",
+            "pairs.csv",
+        ),
+    ] {
+        let before = place.read(file);
+        place.openbench(words).refused_with(&["would overwrite"]);
+        assert_eq!(place.read(file), before);
+    }
 }
 
 #[test]

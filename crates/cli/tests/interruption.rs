@@ -273,6 +273,26 @@ fn several_seeds_are_continued_where_they_were_stopped() {
 }
 
 #[test]
+fn seeds_that_replace_others_are_continued_where_they_were_stopped() {
+    let place = prepared();
+    let seeds = "--deliveries three.txt --targets planner --out many --seeds 1..1";
+    deliver(&place, &format!("{seeds} --agent straight-line")).succeeded();
+    let replace = format!("{seeds} --agent random --discard");
+    let mut child = start(&place, &replace);
+    wait_for(&place.path("many/seed-1/unfinished/episodes/000.actions.json"));
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let first = place.path("many/seed-1/unfinished/episodes/000.actions.json");
+    let written = || std::fs::metadata(&first).unwrap().modified().unwrap();
+    let before = written();
+    let mut child = start(&place, &replace);
+    wait_for(&place.path("many/seed-1/unfinished/episodes/001.actions.json"));
+    assert_eq!(written(), before, "it was not driven again");
+    assert!(child.wait().unwrap().success());
+    assert_eq!(place.json("many/seed-1/results.json")["agent"], "random");
+}
+
+#[test]
 fn another_program_continues_no_run() {
     let place = prepared();
     let mut child = start(&place, RUN);

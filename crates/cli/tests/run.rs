@@ -382,7 +382,11 @@ fn annotations_say_which_doors_are_meant() {
     let table = deliver(&place, &words).succeeded().stdout.clone();
     assert!(table.contains(&format!("targets  {written}")), "{table}");
     let report = place.read("run/report.html");
-    assert!(report.contains(&format!("targets {written}")));
+    let named = report.find(&format!("targets {written}"));
+    assert!(
+        named.is_some() && named < report.find("<h2"),
+        "it stands above all numbers"
+    );
     assert_eq!(results["metrics"]["sr_2m"], 1.0, "{results}");
 }
 

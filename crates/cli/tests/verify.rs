@@ -40,6 +40,22 @@ fn a_run_repeats_to_the_bit() {
 }
 
 #[test]
+fn a_run_that_ends_before_any_time_is_simulated_verifies() {
+    let place = town();
+    let line = r#"{"instruction": "la la la", "deliveries": [{"building": "building1", "unit": "unit1"}]}"#;
+    place.file("la.jsonl", line);
+    let reader = reader_that_says(UNIT_1);
+    let words = format!("--deliveries la.jsonl --out run --record none --set reader={reader}");
+    deliver(&place, &words).succeeded();
+    assert_eq!(
+        place.json("run/results.json")["metrics"]["sim_seconds"],
+        0.0
+    );
+    assert_eq!(place.json("run/results.json")["metrics"]["srtp"], 0.0);
+    place.openbench("verify run").succeeded();
+}
+
+#[test]
 fn a_run_among_people_repeats_to_the_bit_on_any_number_of_threads() {
     let place = town();
     place.file(

@@ -490,7 +490,11 @@ fn a_map_that_no_run_has_written_is_not_replaced_by_a_memory() {
     place.file("mine.osm", &mine);
     place
         .openbench("run w --agent random --record none --out out --memory mine.osm")
-        .refused_with(&["mine.osm", "lacks 1 of its elements", "would be replaced"]);
+        .refused_with(&[
+            "mine.osm",
+            "no memory of this world: 1 of its elements",
+            "name a new one",
+        ]);
     assert_eq!(place.read("mine.osm"), mine);
 }
 

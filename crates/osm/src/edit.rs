@@ -103,11 +103,13 @@ pub fn merge_entrances(base: &mut OsmData, from: &OsmData) -> usize {
 }
 
 /// How many elements of `from` a copy of `base` into which the doors of `from` are
-/// [merged](merge_entrances) lacks, or has with other tags; doors are not counted.
+/// [merged](merge_entrances) lacks, or has with other tags. Doors are not counted, nor what a door
+/// that was moved has left: an edited node without tags.
 pub fn lost_in_merge(base: &OsmData, from: &OsmData) -> usize {
     let nodes = from.nodes.values().filter(|node| {
         let known = base.nodes.get(&node.id);
-        !is_door(&node.tags) && known.is_none_or(|known| known.tags != node.tags)
+        let is_of_door = is_door(&node.tags) || (node.id < 0 && node.tags.is_empty());
+        !is_of_door && known.is_none_or(|known| known.tags != node.tags)
     });
     let ways = from.ways.values().filter(|way| {
         let known = base.ways.get(&way.id);
@@ -596,6 +598,15 @@ mod tests {
         let base = without_doors(&data());
         let mut edited = base.clone();
         add(&mut edited, HOUSE, 0.0004, -0.00002, "7");
+        let left = edited.nodes[&2].clone();
+        edited.nodes.insert(
+            -9,
+            Node {
+                id: -9,
+                tags: Tags::new(),
+                ..left
+            },
+        );
         assert_eq!(lost_in_merge(&base, &edited), 0);
         edited
             .ways

@@ -60,4 +60,4 @@ pub use map::{Area, Barrier, Building, Entrance, MapReport, OsmMap, Road};
 pub use projection::{Projection, ProjectionError, default_georeference};
 pub use renumber::renumbered;
 pub use tags::Tags;
-pub use write::{changes, write_atomically};
+pub use write::{changes, is_staging_of, write_atomically};

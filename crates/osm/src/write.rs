@@ -224,6 +224,22 @@ fn write_and_rename(staging: &Path, path: &Path, bytes: &[u8]) -> std::io::Resul
     std::fs::rename(staging, path)
 }
 
+/// Whether a file name is that of a staging file of [`write_atomically`] for a file called `name`,
+/// which a process has left that was killed.
+///
+/// ```
+/// assert!(openbench_osm::is_staging_of("run.json", ".run.json.4711.part"));
+/// assert!(!openbench_osm::is_staging_of("run.json", "run.json.bak"));
+/// ```
+pub fn is_staging_of(name: &str, file: &str) -> bool {
+    let process = file
+        .strip_prefix('.')
+        .and_then(|rest| rest.strip_prefix(name))
+        .and_then(|rest| rest.strip_prefix('.'))
+        .and_then(|rest| rest.strip_suffix(".part"));
+    process.is_some_and(|id| !id.is_empty() && id.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
 /// A hidden file in the same folder, so that renaming it stays within one file system.
 fn staging_path(path: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");

@@ -353,6 +353,11 @@ mod tests {
         let places = [1, 0, 2].map(|number| html.find(&format!("id=\"episode-{number}\"")));
         assert!(places.is_sorted() && places[0].is_some(), "{places:?}");
         assert!(html.contains("Those with failures come first."));
+        assert_eq!(
+            html.matches("class=\"legend\"").count(),
+            1,
+            "one for all maps"
+        );
     }
 
     #[test]

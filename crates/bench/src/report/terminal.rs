@@ -13,6 +13,8 @@ use crate::score::results::{DeliveryResult, EpisodeResult, Metrics, Results};
 
 /// Width of a line, columns of the terminal.
 const LINE_COLUMNS: usize = 100;
+/// What stands before a line that belongs to the row above it.
+const UNDER_ROW: &str = "       ";
 /// Largest width of an address, columns of the terminal.
 const ADDRESS_COLUMNS: usize = 40;
 
@@ -61,17 +63,25 @@ pub fn terminal_table(results: &Results) -> String {
 /// A line with a name in front; what is too long continues below.
 fn named(out: &mut String, name: &str, text: &str) {
     const NAME_COLUMNS: usize = 9;
-    let mut line = pad(name, NAME_COLUMNS);
-    for word in text.split(' ') {
+    wrapped(out, &pad(name, NAME_COLUMNS), text);
+}
+
+/// A text after a head; what is too long continues below, as far in as the head is long.
+fn wrapped(out: &mut String, head: &str, text: &str) {
+    let indent = text_columns(head);
+    let mut line = head.to_owned();
+    for word in text.split_whitespace() {
+        // What a model answered may contain sequences that control a terminal.
+        let word: String = word.chars().filter(|c| !c.is_control()).collect();
         let used = text_columns(&line);
-        if used > NAME_COLUMNS && used + 1 + text_columns(word) > LINE_COLUMNS {
+        if used > indent && used + 1 + text_columns(&word) > LINE_COLUMNS {
             let _ = writeln!(out, "{line}");
-            line = pad("", NAME_COLUMNS);
+            line = " ".repeat(indent);
         }
-        if text_columns(&line) > NAME_COLUMNS {
+        if text_columns(&line) > indent {
             line.push(' ');
         }
-        line.push_str(word);
+        line.push_str(&word);
     }
     let _ = writeln!(out, "{}", line.trim_end());
 }
@@ -133,8 +143,7 @@ fn failure(out: &mut String, d: &DeliveryResult) {
     };
     let detail = d.failure_detail.iter().filter(|detail| !detail.is_empty());
     let detail: String = detail.map(|detail| format!(": {detail}")).collect();
-    let line = format!("       {cause}{detail}");
-    let _ = writeln!(out, "{}", pad(&line, LINE_COLUMNS).trim_end());
+    wrapped(out, UNDER_ROW, &format!("{cause}{detail}"));
 }
 
 /// How often models were asked during a delivery; nothing if none was.
@@ -154,10 +163,10 @@ fn fallbacks(out: &mut String, episode: &EpisodeResult) {
             PlanPart::Order => "order",
         };
         let line = format!(
-            "       {part} by the planner {}: {}",
+            "{part} by the planner {}: {}",
             fallback.from, fallback.because
         );
-        let _ = writeln!(out, "{}", pad(&line, LINE_COLUMNS).trim_end());
+        wrapped(out, UNDER_ROW, &line);
     }
 }
 
@@ -180,18 +189,17 @@ fn rates(out: &mut String, m: &Metrics, name: &str, metrics: &[Headline], column
         let width = text_columns(&rate).max(CELL_COLUMNS);
         format!("  {} {}", metric.label, pad(&rate, width))
     };
-    let mut lines = vec![format!("{name:<7}")];
-    for (i, cell) in metrics.iter().map(cell).enumerate() {
-        let last = lines.last().map_or(0, |line| text_columns(line));
-        let is_full = last + text_columns(cell.trim_end()) > LINE_COLUMNS;
-        if i > 0 && (i % columns == 0 || is_full) {
-            lines.push(format!("{:<7}", ""));
+    let (mut line, mut cells) = (format!("{name:<7}"), 0);
+    for cell in metrics.iter().map(cell) {
+        let width = text_columns(&line) + text_columns(cell.trim_end());
+        if cells == columns || width > LINE_COLUMNS {
+            let _ = writeln!(out, "{}", line.trim_end());
+            (line, cells) = (format!("{:<7}", ""), 0);
         }
-        if let Some(line) = lines.last_mut() {
-            line.push_str(&cell);
-        }
+        line.push_str(&cell);
+        cells += 1;
     }
-    for line in lines.iter().filter(|_| !metrics.is_empty()) {
+    if cells > 0 {
         let _ = writeln!(out, "{}", line.trim_end());
     }
 }
@@ -272,7 +280,6 @@ fn pad(text: &str, width: usize) -> String {
     let all = text_columns(text);
     // A truncated text needs one column for the ellipsis.
     let room = if all > width { width - 1 } else { width };
-    // What a model answered may contain sequences that control a terminal.
     for c in text.chars().filter(|c| !c.is_control()) {
         if used + columns(c) > room {
             break;
@@ -341,6 +348,12 @@ mod tests {
         }
         assert!(table.contains("  0.0  unit1, building3"), "{table}");
         let failure = "       planner failed: the model answered [2J nonsense";
+        let below = table.lines().filter(|line| {
+            line.starts_with("       nonsense")
+                || line.starts_with("       answered")
+                || line.starts_with("       the model")
+        });
+        assert!(below.count() > 0, "{table}");
         assert!(table.contains(failure), "{table}");
         assert!(table.contains("Gedächtnis-Straße…"), "{table}");
         assert!(table.contains("strict   SR 90.0 % ["), "{table}");

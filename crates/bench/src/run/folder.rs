@@ -21,13 +21,14 @@ use std::fs::{File, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use openbench_osm::{OsmData, OsmError};
+use openbench_osm::{OsmData, OsmError, is_staging_of};
 
 use super::files::{
     EPISODES, REPORT, RESULTS, RUN, actions_path, is_episode_file, read_json, write_file,
     write_json,
 };
 use super::record::RunRecord;
+use super::request::RunRequest;
 use crate::BenchError;
 
 /// Name of the file, in a run's folder, with the doors known before the run.
@@ -123,12 +124,12 @@ impl RunFolder {
     }
 
     /// A file that has the name of a run's file, in a folder in which no run has ended.
-    fn foreign_results(&self) -> Option<PathBuf> {
+    fn foreign_results(&self) -> Result<Option<PathBuf>, BenchError> {
         if self.out.join(RUN).exists() {
-            return None;
+            return Ok(None);
         }
-        let paths = FILES.iter().map(|name| self.out.join(name));
-        paths.into_iter().find(|path| path.exists())
+        let found = run_files(&self.out)?.into_iter().next();
+        Ok(found.map(|name| self.out.join(name)))
     }
 
     /// The folder of the run in progress.
@@ -142,9 +143,9 @@ impl RunFolder {
         record: &RunRecord,
         memory: Option<&OsmData>,
     ) -> Result<(), BenchError> {
-        if let Some(path) = self.foreign_results() {
-            let problem = "no run has written it, and it would be replaced; choose another folder \
-                           with --out";
+        if let Some(path) = self.foreign_results()? {
+            let problem = "there is no run.json beside it, so no run has written it, and it would \
+                           be replaced or removed; choose another folder with --out";
             return Err(BenchError::bad_file(&path, problem));
         }
         self.discard()?;
@@ -244,19 +245,40 @@ pub(super) fn run_files(folder: &Path) -> Result<BTreeSet<String>, BenchError> {
 
 /// A file in the folder of a run in progress that no run writes there.
 fn foreign_file(unfinished: &Path) -> Result<Option<PathBuf>, BenchError> {
-    let names = [COMPLETE, EPISODES].into_iter().chain(FILES);
-    // A file that is being written has its name and more.
-    let is_known = |name: &str| names.clone().any(|known| name.starts_with(known));
-    let entries = match std::fs::read_dir(unfinished) {
+    let is_ours = |name: &str| {
+        let mut names = [COMPLETE].into_iter().chain(FILES);
+        // A process that was killed while it wrote leaves a staging file.
+        name == EPISODES || names.any(|own| name == own || is_staging_of(own, name))
+    };
+    let is_of_episode = |name: &str| {
+        let own = name.strip_suffix(".partial").unwrap_or(name);
+        let staged = name.strip_prefix('.').and_then(|rest| {
+            let (own, _) = rest.strip_suffix(".part")?.rsplit_once('.')?;
+            is_staging_of(own, name).then_some(own)
+        });
+        is_episode_file(staged.unwrap_or(own))
+    };
+    let found = foreign_in(unfinished, is_ours)?;
+    Ok(match found {
+        None => foreign_in(&unfinished.join(EPISODES), is_of_episode)?,
+        found => found,
+    })
+}
+
+/// The first file in a folder whose name is none of ours; `None` without the folder.
+fn foreign_in(
+    folder: &Path,
+    is_ours: impl Fn(&str) -> bool,
+) -> Result<Option<PathBuf>, BenchError> {
+    let failed = |e| BenchError::file(folder, e);
+    let entries = match std::fs::read_dir(folder) {
         Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
-        entries => entries.map_err(|e| BenchError::file(unfinished, e))?,
+        entries => entries.map_err(failed)?,
     };
     for entry in entries {
-        let name = entry
-            .map_err(|e| BenchError::file(unfinished, e))?
-            .file_name();
-        if !name.to_str().is_some_and(is_known) {
-            return Ok(Some(unfinished.join(name)));
+        let name = entry.map_err(failed)?.file_name();
+        if !name.to_str().is_some_and(&is_ours) {
+            return Ok(Some(folder.join(name)));
         }
     }
     Ok(None)
@@ -278,6 +300,16 @@ pub struct InterruptedRun {
     pub memory: Option<OsmData>,
     /// Number of episodes that it has finished.
     pub finished: usize,
+}
+
+impl InterruptedRun {
+    /// Whether a request runs what is missing of it.
+    ///
+    /// # Errors
+    /// A request that has no record.
+    pub fn is_continued_by(&self, request: &RunRequest<'_>) -> Result<bool, BenchError> {
+        Ok(self.record.difference(&RunRecord::of(request)?).is_none())
+    }
 }
 
 /// The interrupted run in the folder `out`; `None` if there is none that can be resumed. A complete
@@ -404,15 +436,28 @@ mod tests {
         let error = RunFolder::lock_and_discard(out).unwrap_err().to_string();
         assert!(error.contains("suite.toml"), "{error}");
         std::fs::remove_file(&own).unwrap();
+        let notes = out.join(UNFINISHED).join(EPISODES).join("notes.txt");
+        put(&out.join(UNFINISHED), &["episodes/notes.txt"], "mine");
+        let error = RunFolder::lock_and_discard(out).unwrap_err().to_string();
+        assert!(error.contains("notes.txt"), "{error}");
+        std::fs::remove_file(&notes).unwrap();
         // What a run was writing when it was killed is a run's.
-        put(&out.join(UNFINISHED), &["run.json.tmp-1"], "new");
+        let killed = [
+            ".run.json.4711.part",
+            "episodes/000.mcap.partial",
+            "episodes/.001.actions.json.4711.part",
+        ];
+        put(&out.join(UNFINISHED), &killed, "new");
         let folder = RunFolder::lock_and_discard(out).unwrap();
         assert!(!out.join(UNFINISHED).exists());
-        assert_eq!(folder.foreign_results(), None);
-        std::fs::write(out.join(REPORT), "mine").unwrap();
-        assert_eq!(folder.foreign_results(), Some(out.join(REPORT)));
-        std::fs::write(out.join(RUN), "of a run").unwrap();
-        assert_eq!(folder.foreign_results(), None);
+        assert_eq!(folder.foreign_results().unwrap(), None);
+        for name in [REPORT, "episodes/007.mcap"] {
+            put(out, &[name], "mine");
+            assert_eq!(folder.foreign_results().unwrap(), Some(out.join(name)));
+            std::fs::remove_file(out.join(name)).unwrap();
+        }
+        put(out, &[REPORT, RUN], "of a run");
+        assert_eq!(folder.foreign_results().unwrap(), None);
     }
 
     #[test]

@@ -81,7 +81,12 @@ impl Uses {
             // An agent plans before it drives, and then reports what it asked.
             (Some(planned), Some((step, used))) if step == planned.step => used,
             // What has no plan reads no plates.
-            (None, _) if failed(FailureCause::PlannerUnavailable) => trace.models,
+            (None, _)
+                if failed(FailureCause::PlannerUnavailable)
+                    || failed(FailureCause::NotUnderstood) =>
+            {
+                trace.models
+            }
             _ => ModelUse::default(),
         };
         Self {
@@ -168,6 +173,12 @@ mod tests {
         let silent = unanswered(FailureCause::PlannerUnavailable, 1, 1);
         assert!(reached.check(&silent, 1).is_err());
         let silent = unanswered(FailureCause::ReaderUnavailable, 1, 1);
+        assert!(reached.check(&silent, 2).is_ok());
+        // A planner that answers without a plan has answered.
+        let reached = Reached::default();
+        reached.note(&unanswered(FailureCause::NotUnderstood, 1, 0));
+        assert!(reached.check(&silent, 1).is_err());
+        let silent = unanswered(FailureCause::PlannerUnavailable, 1, 1);
         assert!(reached.check(&silent, 2).is_ok());
     }
 }

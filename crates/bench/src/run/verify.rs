@@ -210,7 +210,7 @@ fn check_results(run: &Path, finished: &FinishedRun<'_>) -> Result<(), BenchErro
     // With the times of the file, which the report shows.
     let results = Results::read(&path)?;
     if !results.has_possible_times() {
-        let detail = "no machine needs such a time".to_owned();
+        let detail = "wall_seconds or real_time_factor is not possible".to_owned();
         return Err(BenchError::Altered { path, detail });
     }
     check_text(&path, &computed.with_times_of(&results).to_json())?;

@@ -132,13 +132,16 @@ fn geodesic_distance(prepared: &Prepared, from: MapPoint, door: usize) -> Option
 
 /// The results of the episodes as a whole.
 pub fn score_episodes(prepared: &Prepared, traces: &[EpisodeTrace]) -> Vec<EpisodeResult> {
-    let map = prepared.osm_map();
+    let (map, plans) = (prepared.osm_map(), makes_plans(traces));
     let pairs = prepared.episodes.iter().zip(traces).enumerate();
     pairs
         .map(|(number, (episode, trace))| EpisodeResult {
             episode: number,
             sim_seconds: trace.sim_seconds,
-            understood: episode_understood(map, episode, trace),
+            understood: plans.then(|| {
+                let plan = trace.plan.as_ref();
+                plan.is_some_and(|plan| is_understood(map, episode, plan))
+            }),
             fallbacks: trace
                 .plan
                 .as_ref()
@@ -205,15 +208,11 @@ fn doorway_behind(map: &OsmMap, plate: MapPoint, facing: f64) -> MapPoint {
 
 /// The instructions that were understood, see [`Understood`]; `None` if the agent plans none.
 pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<Understood> {
-    let map = prepared.osm_map();
-    let episodes: Vec<_> = prepared.episodes.iter().zip(traces).collect();
-    if episodes
-        .iter()
-        .all(|(e, t)| episode_understood(map, e, t).is_none())
-    {
+    if !makes_plans(traces) {
         return None;
     }
-    // In a run with plans, an episode without one counts as not understood.
+    let map = prepared.osm_map();
+    let episodes: Vec<_> = prepared.episodes.iter().zip(traces).collect();
     let right: Vec<&Plan> = episodes
         .iter()
         .filter_map(|(episode, trace)| {
@@ -231,27 +230,20 @@ pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<Unders
     })
 }
 
-/// Whether the episode's instruction was understood; `None` if nobody tried to plan it.
-fn episode_understood(
-    map: &OsmMap,
-    episode: &PreparedEpisode,
-    trace: &EpisodeTrace,
-) -> Option<bool> {
-    if let Some(plan) = &trace.plan {
-        return Some(is_understood(map, episode, plan));
-    }
-    // An agent that could not plan has tried.
-    let in_vain = |cause| {
-        matches!(
-            cause,
-            FailureCause::NotUnderstood | FailureCause::PlannerUnavailable
-        )
+/// Whether the agent of a run plans its deliveries. One that fails in each episode because it could
+/// not plan has tried. In a run with plans, an episode without one counts as not understood.
+fn makes_plans(traces: &[EpisodeTrace]) -> bool {
+    let could_not = |trace: &EpisodeTrace| {
+        let mut failures = trace.tasks.iter().filter_map(|task| task.failure.as_ref());
+        failures.any(|failure| {
+            matches!(
+                failure.cause,
+                FailureCause::NotUnderstood | FailureCause::PlannerUnavailable
+            )
+        })
     };
-    let failures = trace.tasks.iter().filter_map(|task| task.failure.as_ref());
-    failures
-        .map(|failure| failure.cause)
-        .any(in_vain)
-        .then_some(false)
+    let has_plan = |trace: &EpisodeTrace| trace.plan.is_some();
+    traces.iter().any(has_plan) || (!traces.is_empty() && traces.iter().all(could_not))
 }
 
 /// Whether the plan is right: the definition of SRTP, see [`ExpectedPlan::is_met_by`].
@@ -387,33 +379,31 @@ mod tests {
     }
 
     #[test]
-    fn an_instruction_that_could_not_be_planned_is_not_understood() {
-        let first = Address::new("b1", "u1");
-        let episode = episode(&[&first], &[]);
-        let without_plan = |cause: Option<FailureCause>| {
-            let failure = cause.map(|cause| Failure {
+    fn an_agent_plans_if_it_has_a_plan_or_could_never_make_one() {
+        let failed = |cause: FailureCause| EpisodeTrace {
+            tasks: vec![outcome(Some(Failure {
                 cause,
                 detail: String::new(),
-            });
-            EpisodeTrace {
-                tasks: vec![outcome(failure)],
-                ..EpisodeTrace::default()
-            }
-        };
-        let understood = |trace: &EpisodeTrace| episode_understood(&map(), &episode, trace);
-        assert_eq!(understood(&without_plan(None)), None);
-        assert_eq!(understood(&without_plan(Some(FailureCause::Stuck))), None);
-        for cause in [
-            FailureCause::NotUnderstood,
-            FailureCause::PlannerUnavailable,
-        ] {
-            assert_eq!(understood(&without_plan(Some(cause))), Some(false));
-        }
-        let planned = EpisodeTrace {
-            plan: Some(plan(&[&first])),
+            }))],
             ..EpisodeTrace::default()
         };
-        assert_eq!(understood(&planned), Some(true));
+        let planned = EpisodeTrace {
+            plan: Some(plan(&[&Address::new("b1", "u1")])),
+            ..EpisodeTrace::default()
+        };
+        let (misread, silent) = (
+            FailureCause::NotUnderstood,
+            FailureCause::PlannerUnavailable,
+        );
+        assert!(makes_plans(&[failed(misread), failed(silent)]));
+        assert!(makes_plans(&[planned, failed(misread)]));
+        assert!(!makes_plans(&[]));
+        assert!(!makes_plans(&[EpisodeTrace::default()]));
+        assert!(!makes_plans(&[failed(misread), EpisodeTrace::default()]));
+        assert!(!makes_plans(&[
+            failed(misread),
+            failed(FailureCause::Stuck)
+        ]));
     }
 
     fn outcome(failure: Option<Failure>) -> TaskOutcome {

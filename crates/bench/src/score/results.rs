@@ -320,11 +320,19 @@ impl Results {
 
     /// Whether a machine can have needed the times in these results. Nobody can compute them again.
     pub(crate) fn has_possible_times(&self) -> bool {
+        let Metrics {
+            wall_seconds,
+            real_time_factor,
+            sim_seconds,
+            ..
+        } = self.metrics;
         let positive = |time: f64| time.is_finite() && time > 0.0;
-        match (self.metrics.wall_seconds, self.metrics.real_time_factor) {
-            (Some(wall), factor) => positive(wall) && factor.is_none_or(positive),
+        // Where no time is simulated, none is simulated in a second of the machine either.
+        let fits = |factor: f64| positive(factor) || (factor == 0.0 && sim_seconds == 0.0);
+        match wall_seconds {
+            Some(wall) => positive(wall) && real_time_factor.is_none_or(fits),
             // A run that was continued has neither.
-            (None, factor) => factor.is_none(),
+            None => real_time_factor.is_none(),
         }
     }
 

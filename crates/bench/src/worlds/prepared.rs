@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use openbench_core::{Georeference, MapPoint, RobotDescription};
+use openbench_core::{Address, Georeference, MapPoint, RobotDescription};
 use openbench_osm::{OsmData, OsmMap, Projection};
 use openbench_scene::{FreeSpace, World};
 use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
@@ -269,15 +269,34 @@ impl Prepared {
             .enumerate()
             .flat_map(|(i, e)| e.targets.iter().map(move |t| (i, t)));
         let missing = targets.filter(|(_, t)| t.door.is_none());
-        let doors = self.world.scene.doors.iter();
-        let known: Vec<String> = doors.map(|door| door.address.to_string()).collect();
-        let known = listed(&known);
         missing
             .map(|(i, t)| {
-                let address = &t.address;
-                format!("episode {i}: the world has no door {address}; its doors are {known}")
+                let (address, known) = (&t.address, self.doors_for(&t.address));
+                format!("episode {i}: the world has no door {address}; there are {known}")
             })
             .collect()
+    }
+
+    /// The doors of a building, or of the whole world if it has none.
+    fn doors_for(&self, address: &Address) -> String {
+        let doors = || self.world.scene.doors.iter().map(|door| &door.address);
+        let same = |door: &&Address| {
+            Address {
+                unit: None,
+                ..(*door).clone()
+            }
+            .same_door(&Address {
+                unit: None,
+                ..address.clone()
+            })
+        };
+        let words = |doors: Vec<&Address>| doors.iter().map(ToString::to_string).collect();
+        let of_building: Vec<String> = words(doors().filter(same).collect());
+        if of_building.is_empty() {
+            listed(&words(doors().collect()))
+        } else {
+            listed(&of_building)
+        }
     }
 
     /// Length of the shortest path of the footprint from a point to a door's approach point,
@@ -327,7 +346,7 @@ mod tests {
     use super::*;
     use crate::suite::Sensors;
     use crate::worlds::builtin_suite;
-    use openbench_core::{Address, Velocity};
+    use openbench_core::Velocity;
     use openbench_osm::add_entrance;
 
     #[test]
@@ -340,6 +359,31 @@ mod tests {
             assert_eq!(briefing.briefing().time_limit, told);
             assert!(episode.time_limit <= told * episode.targets.len() as u32);
         }
+    }
+
+    #[test]
+    fn the_suite_in_the_document_on_formats_can_be_run() {
+        let document = include_str!("../../../../docs/formats.md");
+        let block = document.split("```toml\n").nth(1).unwrap();
+        let block = block.split("```").next().unwrap();
+        let prepared = Prepared::new(toml::from_str(block).unwrap(), None).unwrap();
+        assert_eq!(prepared.episodes[0].targets.len(), 2);
+    }
+
+    #[test]
+    fn a_door_that_the_world_lacks_is_an_error_unless_a_planner_read_it() {
+        let with = |targets: TargetSource| {
+            let mut suite = builtin_suite("small").unwrap();
+            suite.episodes[0].deliveries[0] = Address::new("building1", "unit99");
+            Prepared::new(Suite { targets, ..suite }, None)
+        };
+        let error = with(TargetSource::Annotation).err().unwrap().to_string();
+        assert!(
+            error.contains("unit99") && error.contains("unit1, building1"),
+            "{error}"
+        );
+        let warnings = with(TargetSource::Planner).unwrap().warnings();
+        assert!(warnings[0].contains("unit99"), "{warnings:?}");
     }
 
     #[test]

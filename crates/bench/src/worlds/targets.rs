@@ -33,9 +33,23 @@ pub(super) fn find_doors(episode: &Episode, doors: &[Door]) -> Vec<Target> {
             address: address.clone(),
             door: doors
                 .iter()
-                .position(|door| door.address.same_door(address)),
+                .position(|door| door.address.same_door(address))
+                .or_else(|| only_door(address, doors)),
         })
         .collect()
+}
+
+/// The door of a building that has one, if an address names no unit.
+fn only_door(address: &Address, doors: &[Door]) -> Option<usize> {
+    let is_there = |door: &Door| {
+        let building = Address {
+            unit: None,
+            ..door.address.clone()
+        };
+        address.unit.is_none() && building.same_door(address)
+    };
+    let mut there = (0..doors.len()).filter(|door| is_there(&doors[*door]));
+    there.next().filter(|_| there.next().is_none())
 }
 
 /// The doors at the true positions (`truths`: indices into `doors`).
@@ -176,6 +190,20 @@ mod tests {
                 .collect(),
             before: Vec::new(),
         }
+    }
+
+    #[test]
+    fn without_a_unit_the_only_door_of_a_building_is_meant() {
+        let without_unit = Episode {
+            deliveries: vec![Address {
+                building: "Building 1".into(),
+                unit: None,
+            }],
+            ..episode(&[])
+        };
+        let door = |doors: &[Door]| find_doors(&without_unit, doors)[0].door;
+        assert_eq!(door(&doors()[1..2]), Some(0));
+        assert_eq!(door(&doors()), None);
     }
 
     fn targets(targets: &[Target]) -> Vec<(&str, Option<usize>)> {

@@ -47,7 +47,8 @@ pub struct RunArgs {
         conflicts_with_all = ["seed", "memory", "draw"]
     )]
     pub seeds: Option<RangeInclusive<u64>>,
-    /// Folder for results, report and logs; those of an earlier run there are replaced
+    /// Folder for results, report and logs; those of an earlier run there are replaced, those of
+    /// other seeds only with --discard
     #[arg(long, default_value = "runs/latest")]
     pub out: PathBuf,
     /// Continue the interrupted run in this folder: only what is missing is run

@@ -1,5 +1,7 @@
 //! `openbench bench`
 
+use std::path::Path;
+
 use anyhow::Context;
 use cpu_time::ProcessTime;
 use openbench_bench::{TrafficPlan, WorldSource};
@@ -11,7 +13,7 @@ use serde::Serialize;
 
 use crate::Extensions;
 use crate::args::{BenchArgs, BenchCommand, BenchPosegraphArgs, BenchRoutingArgs, BenchSimArgs};
-use crate::commands::{bench_health, bench_motion, bench_people, bench_towns};
+use crate::commands::{bench_health, bench_motion, bench_people, bench_towns, spare_inputs};
 use crate::outcome::{Outcome, say, say_json};
 
 /// Measures what is asked for.
@@ -40,6 +42,7 @@ struct GraphSolved {
 }
 
 fn posegraph(args: &BenchPosegraphArgs) -> anyhow::Result<Outcome> {
+    spare_inputs(&[&args.graph], args.out.as_deref().as_slice())?;
     let file = || args.graph.display().to_string();
     let text = openbench_core::input::read_text(&args.graph).with_context(file)?;
     let mut graph = PoseGraph::parse(&text).with_context(file)?;
@@ -72,6 +75,8 @@ fn posegraph(args: &BenchPosegraphArgs) -> anyhow::Result<Outcome> {
 }
 
 fn routing(args: &BenchRoutingArgs) -> anyhow::Result<Outcome> {
+    let read = [&args.roads.map, &args.pairs, Path::new(&args.roads.profile)];
+    spare_inputs(&read, args.answers.as_deref().as_slice())?;
     let profile = Profile::open(&args.roads.profile)?;
     let pairs = read_pairs(&args.pairs)?;
     let speed = measure_routing(&args.roads.map, profile, &pairs, args.dump.as_deref())?;

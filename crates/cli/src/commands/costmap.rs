@@ -7,7 +7,7 @@ use openbench_motion::costmap::map_server;
 use openbench_osm::{OsmMap, Window};
 
 use crate::args::CostmapArgs;
-use crate::commands::read_part;
+use crate::commands::{read_part, spare_inputs};
 use crate::outcome::{Outcome, say};
 
 /// Ground around everything on the map, metres.
@@ -15,6 +15,7 @@ const AROUND: f64 = 5.0;
 
 /// Draws the ground and writes it.
 pub fn run(args: &CostmapArgs) -> anyhow::Result<Outcome> {
+    spare_inputs(&[&args.map], &[&args.out])?;
     let (data, georeference) = read_part(&args.map, &args.cut)?;
     let (map, file) = (OsmMap::new(&data, georeference), args.map.display());
     let (low, high) = match args.cut.window()? {

@@ -211,12 +211,14 @@ fn refuse_other_maps(prepared: &Prepared, path: &Path, memory: &OsmData) -> anyh
             path.display()
         );
     }
-    match lost_in_merge(&prepared.world.map, memory) {
+    // As it is written: XML cannot represent each character.
+    let public = OsmData::from_bytes(&prepared.world.map.to_xml())?;
+    match lost_in_merge(&public, memory) {
         0 => Ok(()),
         lost => anyhow::bail!(
-            "no run in this world has written {}: the public map lacks {lost} of its elements, or \
-             has them with other tags; it would be replaced when the run is complete; name another \
-             file, which may be a new one, or copy it",
+            "{} is no memory of this world: {lost} of its elements are not in the public map, or \
+             have other tags there; --memory replaces the file when the run is complete, so name a \
+             new one",
             path.display()
         ),
     }
@@ -225,7 +227,12 @@ fn refuse_other_maps(prepared: &Prepared, path: &Path, memory: &OsmData) -> anyh
 /// The files and folders that a run reads, besides those of its agent.
 fn inputs(args: &RunArgs, world: &WorldSource) -> Vec<PathBuf> {
     let named = [&args.deliveries, &args.truth, &args.memory];
-    let suite = args.suite.as_ref().map(PathBuf::from);
+    // A folder that happens to be called as a built-in suite is none that is read.
+    let suite = args
+        .suite
+        .as_ref()
+        .filter(|name| !builtin_suites().contains(name));
+    let suite = suite.map(PathBuf::from);
     let paths = world.paths().into_iter().map(Path::to_owned);
     paths
         .chain(named.into_iter().flatten().cloned())

@@ -46,17 +46,15 @@ pub fn drive_each(
     }
     let mut runs = Vec::new();
     for Seed { number, out } in &seeds {
+        let request = of_seed(request, *number, out);
         let request = RunRequest {
-            seed: *number,
-            out: Some(out),
-            unfinished: unfinished(out, args)?,
-            ..*request
+            unfinished: unfinished(&request, out, args)?,
+            ..request
         };
         match one(request) {
             Err(BenchError::Interrupted) => {
                 tell(&format!(
-                    "stopped; {} of {} seeds are finished; the same command continues, \
-                     without --discard if it has that",
+                    "stopped; {} of {} seeds are finished; the same command continues",
                     runs.len(),
                     seeds.len()
                 ));
@@ -88,10 +86,11 @@ pub fn refuse_several_runs(out: &Path) -> anyhow::Result<()> {
         return Ok(());
     };
     let mut names = entries.flatten().map(|entry| entry.file_name());
-    let is_of_seeds = |name: &str| name == MEANS || name.starts_with(SEED);
+    let is_number = |text: &str| text.parse::<u64>().is_ok();
+    let is_of_seeds = |name: &str| name == MEANS || name.strip_prefix(SEED).is_some_and(is_number);
     if names.any(|name| name.to_str().is_some_and(is_of_seeds)) {
         anyhow::bail!(
-            "{} has the runs of several seeds; choose another folder with --out",
+            "{} has the runs of several seeds; choose another folder with --out, or remove it",
             out.display()
         );
     }
@@ -111,13 +110,17 @@ pub fn folder(out: &Path, seed: u64) -> PathBuf {
     out.join(format!("{SEED}{seed}"))
 }
 
-/// What is done with the remains of a seed that was interrupted.
-fn unfinished(out: &Path, args: &RunArgs) -> Result<Unfinished, BenchError> {
-    if args.discard {
-        return Ok(Unfinished::Discard);
-    }
-    let left = interrupted(out)?.filter(|left| left.finished > 0);
-    Ok(left.map_or(Unfinished::Keep, |_| Unfinished::Resume))
+/// What is done with the remains of a seed that was interrupted: what the request would give is
+/// continued, --discard or not.
+fn unfinished(request: &RunRequest<'_>, out: &Path, args: &RunArgs) -> anyhow::Result<Unfinished> {
+    Ok(match interrupted(out) {
+        Ok(Some(left)) if left.finished > 0 && left.is_continued_by(request)? => Unfinished::Resume,
+        _ if args.discard => Unfinished::Discard,
+        // Refused with the difference.
+        Ok(Some(left)) if left.finished > 0 => Unfinished::Resume,
+        Ok(_) => Unfinished::Keep,
+        Err(damaged) => return Err(damaged.into()),
+    })
 }
 
 /// The results of one seed.
@@ -131,14 +134,26 @@ fn one(request: RunRequest<'_>) -> Result<Results, BenchError> {
     drive_with_progress(request)
 }
 
+fn of_seed<'a>(request: &RunRequest<'a>, seed: u64, out: &'a Path) -> RunRequest<'a> {
+    RunRequest {
+        seed,
+        out: Some(out),
+        ..*request
+    }
+}
+
 /// Refuses to replace finished seeds of another run: they may have taken hours.
 fn spare_other_runs(request: &RunRequest<'_>, seeds: &[Seed]) -> anyhow::Result<()> {
     for Seed { number, out } in seeds {
-        let request = RunRequest {
-            seed: *number,
-            out: Some(out),
-            ..*request
+        let request = of_seed(request, *number, out);
+        // What it replaces was agreed to when it was begun.
+        let is_begun = match interrupted(out)? {
+            Some(left) => left.finished > 0 && left.is_continued_by(&request)?,
+            None => false,
         };
+        if is_begun {
+            continue;
+        }
         if let FinishedBefore::Other { difference } = FinishedBefore::of(&request)? {
             anyhow::bail!(
                 "{} has another run: {difference}; choose another folder with --out, or replace \

@@ -24,6 +24,8 @@ const MOST_BYTES_OF_MEANS: u64 = 16 << 20;
 pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let path = args.run.join(seeds::MEANS);
     if !path.exists() {
+        seeds::refuse_several_runs(&args.run)
+            .context("its means are not there yet: the same `run --seeds` continues")?;
         return verify_run(args, agents);
     }
     let text = input::read(&path, MOST_BYTES_OF_MEANS)
