@@ -155,16 +155,27 @@ impl RunRecord {
         if let Some((what, then, now)) = other {
             return Some(format!("its {what} is {then}, now it is {now}"));
         }
-        // Another processor may continue a run, and another command line may say the same.
-        let same = Self {
-            processor: self.processor.clone(),
-            command: self.command.clone(),
-            build: self.build.clone(),
-            ..now.clone()
-        };
-        (same != *self).then(|| "its settings, models or memory are others now".to_owned())
+        // Strings, numbers and lists: every value has a JSON form.
+        let [then, now] =
+            [self, now].map(|record| serde_json::to_value(record).unwrap_or_default());
+        let mut keys = then.as_object()?.keys();
+        let key =
+            keys.find(|key| !MAY_DIFFER.contains(&key.as_str()) && then[*key] != now[*key])?;
+        let [then, now] = [&then[key], &now[key]].map(ToString::to_string);
+        let is_short = then.len().max(now.len()) <= MOST_SHOWN;
+        Some(if is_short {
+            format!("its `{key}` is {then}, now it is {now}")
+        } else {
+            format!("its `{key}` is another one now")
+        })
     }
 }
+
+/// Keys of records in which runs may differ that give the same: another processor may continue a
+/// run, another command line may say the same, and files may lie elsewhere if their hashes agree.
+const MAY_DIFFER: [&str; 5] = ["processor", "command", "build", "suite", "truth"];
+/// Most characters of a value in the description of a difference.
+const MOST_SHOWN: usize = 80;
 
 /// The model files of an agent.
 pub(super) fn models_of(

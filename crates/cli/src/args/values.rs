@@ -37,17 +37,17 @@ pub(super) fn key_value(text: &str) -> Result<(String, String), ValueError> {
     Ok((key.trim().to_owned(), value.trim().to_owned()))
 }
 
-/// A file that the map server of ROS reads.
+/// Accepts names that the map server of ROS accepts.
 pub(super) fn yaml_file(text: &str) -> Result<PathBuf, ValueError> {
     file_of_kind(text, &["yaml", "yml"], "a file whose name ends in .yaml")
 }
 
-/// A log.
+/// Accepts names by which other programs take a file for a log.
 pub(super) fn mcap_file(text: &str) -> Result<PathBuf, ValueError> {
     file_of_kind(text, &["mcap"], "a file whose name ends in .mcap")
 }
 
-/// A picture.
+/// Accepts names of the kinds of pictures that are written.
 pub(super) fn picture_file(text: &str) -> Result<PathBuf, ValueError> {
     let expected = "a file whose name ends in .png or .jpg";
     file_of_kind(text, &["png", "jpg", "jpeg"], expected)
