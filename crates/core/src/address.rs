@@ -36,8 +36,13 @@ impl Address {
     /// Whether both are the same door, without regard to case and white space: `Building 3` is
     /// `building3`.
     pub fn same_door(&self, other: &Self) -> bool {
-        fold_name(&self.building) == fold_name(&other.building)
+        self.same_building(other)
             && self.unit.as_deref().map(fold_name) == other.unit.as_deref().map(fold_name)
+    }
+
+    /// Whether both are in the same building, compared as by [`same_door`](Self::same_door).
+    pub fn same_building(&self, other: &Self) -> bool {
+        fold_name(&self.building) == fold_name(&other.building)
     }
 }
 

@@ -400,12 +400,12 @@ impl Observer for StopSign<'_> {
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
-    use std::error::Error;
     use std::sync::Mutex;
 
     use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
 
     use super::*;
+    use crate::run::registry::AgentError;
     use crate::run::{AgentFactory, AgentRequest};
     use crate::worlds::builtin_suite;
 
@@ -431,10 +431,7 @@ mod tests {
     struct Factory(Mutex<Vec<u64>>);
 
     impl AgentFactory for Factory {
-        fn make(
-            &self,
-            request: &AgentRequest<'_>,
-        ) -> Result<Box<dyn Agent>, Box<dyn Error + Send + Sync>> {
+        fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
             self.0.lock().unwrap().push(request.seed);
             Ok(Box::new(Idle))
         }

@@ -73,20 +73,15 @@ impl Uses {
             Deed::Asked(used) => Some((deed.step, *used)),
             _ => None,
         });
-        let failed = |cause| {
-            let mut failures = trace.tasks.iter().filter_map(|task| task.failure.as_ref());
-            failures.any(|failure| failure.cause == cause)
-        };
+        let without_plan = [
+            FailureCause::PlannerUnavailable,
+            FailureCause::NotUnderstood,
+        ];
         let planner = match (planned, first) {
             // An agent plans before it drives, and then reports what it asked.
             (Some(planned), Some((step, used))) if step == planned.step => used,
             // What has no plan reads no plates.
-            (None, _)
-                if failed(FailureCause::PlannerUnavailable)
-                    || failed(FailureCause::NotUnderstood) =>
-            {
-                trace.models
-            }
+            (None, _) if trace.failed_by(&without_plan) => trace.models,
             _ => ModelUse::default(),
         };
         Self {

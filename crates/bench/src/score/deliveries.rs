@@ -233,15 +233,11 @@ pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<Unders
 /// Whether the agent of a run plans its deliveries. One that fails in each episode because it could
 /// not plan has tried. In a run with plans, an episode without one counts as not understood.
 fn makes_plans(traces: &[EpisodeTrace]) -> bool {
-    let could_not = |trace: &EpisodeTrace| {
-        let mut failures = trace.tasks.iter().filter_map(|task| task.failure.as_ref());
-        failures.any(|failure| {
-            matches!(
-                failure.cause,
-                FailureCause::NotUnderstood | FailureCause::PlannerUnavailable
-            )
-        })
-    };
+    let causes = [
+        FailureCause::NotUnderstood,
+        FailureCause::PlannerUnavailable,
+    ];
+    let could_not = |trace: &EpisodeTrace| trace.failed_by(&causes);
     let has_plan = |trace: &EpisodeTrace| trace.plan.is_some();
     traces.iter().any(has_plan) || (!traces.is_empty() && traces.iter().all(could_not))
 }

@@ -173,3 +173,11 @@ pub struct EpisodeTrace {
     /// The agent's copy of the map, OSM XML.
     pub map: Option<Vec<u8>>,
 }
+
+impl EpisodeTrace {
+    /// Whether the agent reported one of these causes for a delivery.
+    pub fn failed_by(&self, causes: &[FailureCause]) -> bool {
+        let mut failures = self.tasks.iter().filter_map(|task| task.failure.as_ref());
+        failures.any(|failure| causes.contains(&failure.cause))
+    }
+}

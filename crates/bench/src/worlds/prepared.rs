@@ -280,20 +280,10 @@ impl Prepared {
     /// The doors of a building, or of the whole world if it has none.
     fn doors_for(&self, address: &Address) -> String {
         let doors = || self.world.scene.doors.iter().map(|door| &door.address);
-        let same = |door: &&Address| {
-            Address {
-                unit: None,
-                ..(*door).clone()
-            }
-            .same_door(&Address {
-                unit: None,
-                ..address.clone()
-            })
-        };
-        let words = |doors: Vec<&Address>| doors.iter().map(ToString::to_string).collect();
-        let of_building: Vec<String> = words(doors().filter(same).collect());
+        let of_building = doors().filter(|door| door.same_building(address));
+        let of_building: Vec<String> = of_building.map(Address::to_string).collect();
         if of_building.is_empty() {
-            listed(&words(doors().collect()))
+            listed(&doors().map(Address::to_string).collect::<Vec<_>>())
         } else {
             listed(&of_building)
         }
@@ -317,8 +307,7 @@ impl Prepared {
 /// The first of many words, and how many follow.
 fn listed(words: &[String]) -> String {
     const SHOWN: usize = 8;
-    let shown = words.iter().take(SHOWN).cloned().collect::<Vec<_>>();
-    let shown = shown.join("; ");
+    let shown = words[..words.len().min(SHOWN)].join("; ");
     match words.len().saturating_sub(SHOWN) {
         0 => shown,
         more => format!("{shown}; and {more} more"),

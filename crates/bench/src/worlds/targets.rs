@@ -41,14 +41,10 @@ pub(super) fn find_doors(episode: &Episode, doors: &[Door]) -> Vec<Target> {
 
 /// The door of a building that has one, if an address names no unit.
 fn only_door(address: &Address, doors: &[Door]) -> Option<usize> {
-    let is_there = |door: &Door| {
-        let building = Address {
-            unit: None,
-            ..door.address.clone()
-        };
-        address.unit.is_none() && building.same_door(address)
-    };
-    let mut there = (0..doors.len()).filter(|door| is_there(&doors[*door]));
+    if address.unit.is_some() {
+        return None;
+    }
+    let mut there = (0..doors.len()).filter(|&i| doors[i].address.same_building(address));
     there.next().filter(|_| there.next().is_none())
 }
 

@@ -17,7 +17,7 @@ use crate::commands::seeds;
 use crate::outcome::{Outcome, say, tell};
 use crate::progress::progress_bar;
 
-/// Bound for a file of means, bytes. That of a thousand seeds has less than one.
+/// Bound for a file of means, bytes: it has some numbers for each of at most a thousand seeds.
 const MOST_BYTES_OF_MEANS: u64 = 16 << 20;
 
 /// Verifies a run, or the runs of several seeds and their means.

@@ -157,9 +157,8 @@ fn stop(wish: Wish, all: &str, surroundings: &Surroundings<'_>, gazetteer: &Gaze
 
 /// The address of a stop; for a whole building that of its first unit among all stops.
 fn door_of(stop: &Stop, stops: &[Stop]) -> Address {
-    let is_unit = |other: &&Stop| {
-        other.address.unit.is_some() && same_building(&stop.address, &other.address)
-    };
+    let is_unit =
+        |other: &&Stop| other.address.unit.is_some() && stop.address.same_building(&other.address);
     match stops.iter().find(is_unit) {
         Some(unit) if stop.address.unit.is_none() => unit.address.clone(),
         _ => stop.address.clone(),
@@ -210,12 +209,4 @@ fn merge(stops: Vec<Stop>, before: &[Precedes]) -> Stops {
         before: before.iter().filter_map(merge).collect(),
         stops: merged,
     }
-}
-
-fn same_building(a: &Address, b: &Address) -> bool {
-    let whole = |a: &Address| Address {
-        building: a.building.clone(),
-        unit: None,
-    };
-    whole(a).same_door(&whole(b))
 }
