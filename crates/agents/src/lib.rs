@@ -4,9 +4,11 @@
 //! |---|---|
 //! | [`border`] | [`Border`]: from the briefing's frame to one with its origin near the start |
 //! | [`open`] | [`Open`]: plan, drive, explore, read plates, deliver, remember |
+//! | [`remote`] | [`remote::Policy`]: an agent whose decisions another program makes |
 
 pub mod border;
 pub mod open;
+pub mod remote;
 
 pub use border::Border;
 pub use open::{Open, Parts};

@@ -137,9 +137,11 @@ fn straight_lines_are_measured_from_where_the_episode_starts() {
     let plate = prepared.world.scene.doors[to].point();
     // The world's start is its origin.
     assert!((start.distance(plate) - MapPoint::default().distance(plate)).abs() > 1.0);
-    prepared.world.start = Pose2::new(start.x, start.y, 0.0);
+    let episode = prepared.episodes[0].clone();
+    prepared.episodes[0] = prepared.starting_at(Pose2::new(start.x, start.y, 0.0), episode);
     let agents = yardsticks::agents();
-    let factory = agents.get("omniscient").unwrap().as_ref();
+    let factory = agents.get("omniscient").unwrap();
+    let factory = factory.as_ref();
     let results = run(&RunRequest::new(&prepared, "omniscient", factory))
         .unwrap()
         .results;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Layers: a crate may depend only on crates of lower layers.
-const LAYERS: [(&str, u8); 17] = [
+const LAYERS: [(&str, u8); 19] = [
     ("openbench-core", 0),
     ("openbench-geometry", 1),
     ("openbench-models", 1),
@@ -21,8 +21,10 @@ const LAYERS: [(&str, u8); 17] = [
     ("openbench-agents", 4),
     ("openbench-bench", 5),
     ("openbench-trials", 6),
+    ("openbench-environment", 6),
     ("openbench", 7),
     ("extensions", 8),
+    ("openbench-python", 8),
 ];
 
 /// The folders of `bench`, from low to high: a file imports from its own folder and lower ones.
@@ -243,6 +245,7 @@ fn algorithms_do_not_print() {
     }
     for (name, _) in LAYERS {
         let folder = match name.strip_prefix("openbench-") {
+            Some("python") => "python".into(),
             Some(folder) => format!("crates/{folder}"),
             None if name == "openbench" => "crates/cli".into(),
             None => format!("examples/{name}"),

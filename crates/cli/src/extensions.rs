@@ -14,6 +14,7 @@ use openbench_motion::{LocalPlanner, PlannerSettings};
 use openbench_vision::{PlateReader, ReaderContext, ReaderPart};
 
 use crate::open_agent::{self, OpenFactory};
+use crate::policy_agents;
 
 /// Agents, and parts of OPEN, beside the built-in ones.
 ///
@@ -93,7 +94,7 @@ impl Extensions {
     pub fn new() -> Self {
         let parts = Catalogue::default();
         Self {
-            agents: Agents::new("agent"),
+            agents: Agents::default(),
             added_planners: Registry::new(parts.local_planners.kind()),
             parts,
             refused: None,
@@ -215,7 +216,17 @@ impl Extensions {
         self.agents
             .clone()
             .with(open_agent::NAME, "the baseline of the paper", open)
-            .with_entries(yardsticks::agents().entries().cloned())
+            .with_argument(
+                "python:FILE:CLASS",
+                "a class in a Python file",
+                policy_agents::python,
+            )
+            .with_argument(
+                "program:COMMAND",
+                "a program that speaks the policy protocol",
+                policy_agents::program,
+            )
+            .with_all(&yardsticks::agents())
     }
 
     /// The parts that OPEN can be made of.

@@ -57,8 +57,8 @@ fn prepend(command: Command, text: &str) -> Command {
 
 fn agents(extensions: &Extensions) -> String {
     let mut text = "Agents (--agent NAME, by default open):\n".to_owned();
-    for entry in extensions.agents().entries() {
-        text += &described(entry);
+    for (name, about) in extensions.agents().names() {
+        text += &line(name, about);
     }
     text
 }
@@ -84,7 +84,11 @@ fn parts_of_open(parts: &Catalogue) -> String {
 
 /// A line with the name of a part, and what it is.
 fn described<P>(entry: &Entry<P>) -> String {
-    format!("      {:<22} {}\n", entry.name, entry.about)
+    line(&entry.name, &entry.about)
+}
+
+fn line(name: &str, about: &str) -> String {
+    format!("      {name:<22} {about}\n")
 }
 
 fn settings_of_open(choices: &[Choices]) -> String {

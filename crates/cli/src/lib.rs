@@ -37,6 +37,7 @@
 //! | [`extensions`] | [`Extensions`]: agents and parts from outside |
 //! | `help` | help texts that list agents and parts |
 //! | `open_agent` | OPEN as an agent of the benchmark |
+//! | `policy_agents` | agents in Python and in other programs |
 //! | [`outcome`] | exit codes, in one place |
 //! | `signals` | SIGINT and SIGTERM end a run in order |
 
@@ -47,9 +48,11 @@ pub mod extensions;
 mod help;
 mod open_agent;
 pub mod outcome;
+mod policy_agents;
 mod progress;
 mod signals;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::FromArgMatches as _;
@@ -65,6 +68,12 @@ use outcome::Outcome;
 
 /// Runs the command line with agents and parts beside the built-in ones.
 pub fn main_with(extensions: Extensions) -> ExitCode {
+    ExitCode::from(main_of(std::env::args_os(), extensions))
+}
+
+/// As [`main_with`], with these arguments, of which the first one is the name of the program.
+/// Returns the exit code.
+pub fn main_of(arguments: impl IntoIterator<Item = OsString>, extensions: Extensions) -> u8 {
     let filter = tracing_subscriber::EnvFilter::try_from_env("OPENBENCH_LOG")
         .unwrap_or_else(|_| "warn".into());
     tracing_subscriber::fmt()
@@ -73,7 +82,7 @@ pub fn main_with(extensions: Extensions) -> ExitCode {
         .without_time()
         .init();
     // Before the extensions are checked, so that --help works even if a name is refused.
-    let matches = help::command(&extensions).try_get_matches();
+    let matches = help::command(&extensions).try_get_matches_from(arguments);
     let args = match matches.and_then(|matches| Args::from_arg_matches(&matches)) {
         Ok(args) => args,
         Err(error) => return outcome::usage(&error),
@@ -86,7 +95,7 @@ pub fn main_with(extensions: Extensions) -> ExitCode {
 const COMMIT: &str = env!("OPENBENCH_COMMIT");
 
 /// This program: its commit, its file, and the platform that it is built for.
-fn build() -> Build {
+pub fn build() -> Build {
     let program = std::env::current_exe().ok();
     Build {
         commit: COMMIT.to_owned(),

@@ -40,7 +40,7 @@ pub struct Reserved {
 }
 
 /// The names that extensions cannot replace.
-pub const RESERVED: [Reserved; 8] = [
+pub const RESERVED: [Reserved; 10] = [
     Reserved {
         kind: "agent",
         name: NAME,
@@ -60,6 +60,16 @@ pub const RESERVED: [Reserved; 8] = [
         kind: "agent",
         name: "random",
         meaning: "a yardstick of chance",
+    },
+    Reserved {
+        kind: "agent",
+        name: "python",
+        meaning: "a class in a Python file",
+    },
+    Reserved {
+        kind: "agent",
+        name: "program",
+        meaning: "a program that speaks the policy protocol",
     },
     Reserved {
         kind: "plate reader",

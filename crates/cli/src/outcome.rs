@@ -3,7 +3,6 @@
 //! run was stopped by SIGINT or SIGTERM.
 
 use std::io::{self, Write};
-use std::process::ExitCode;
 
 use openbench_bench::BenchError;
 use openbench_core::with_causes;
@@ -20,7 +19,7 @@ pub enum Outcome {
 }
 
 /// What clap says about a command line; `--help` and `--version` are no errors.
-pub fn usage(error: &clap::Error) -> ExitCode {
+pub fn usage(error: &clap::Error) -> u8 {
     // If the terminal is closed, there is nobody to tell.
     if error.use_stderr() {
         let text = error.render().to_string();
@@ -30,26 +29,26 @@ pub fn usage(error: &clap::Error) -> ExitCode {
             // Without colours, but also without what was too long or secret.
             let _ = writeln!(io::stderr(), "{}", presentable(&text).trim_end());
         }
-        ExitCode::from(2)
+        2
     } else {
         let _ = error.print();
-        ExitCode::SUCCESS
+        0
     }
 }
 
 /// The exit code of a command; an error is said on stderr, with its causes.
-pub fn exit(result: anyhow::Result<Outcome>) -> ExitCode {
+pub fn exit(result: anyhow::Result<Outcome>) -> u8 {
     match result {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::Problem) => ExitCode::from(1),
+        Ok(Outcome::Done) => 0,
+        Ok(Outcome::Problem) => 1,
         // As shells report processes that a signal has ended.
-        Ok(Outcome::Stopped(signal)) => ExitCode::from(128 + signal),
-        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Ok(Outcome::Stopped(signal)) => 128 + signal,
+        Err(error) if is_closed_pipe(&error) => 0,
         Err(error) => {
             // Not `eprintln!`, which panics if stderr cannot be written.
             let text = presentable(&with_causes(error.as_ref()));
             let _ = writeln!(io::stderr(), "openbench: {text}");
-            ExitCode::from(if is_failed_run(&error) { 1 } else { 2 })
+            if is_failed_run(&error) { 1 } else { 2 }
         }
     }
 }

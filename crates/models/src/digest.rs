@@ -9,8 +9,12 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// SHA-256 of all bytes of a reader. Memory does not depend on their number.
-pub(crate) fn sha256_of(mut reader: impl Read) -> std::io::Result<String> {
+/// SHA-256 of all bytes of a reader, in lower-case hexadecimal digits. Memory does not depend on
+/// their number.
+///
+/// # Errors
+/// Those of the reader.
+pub fn sha256_of(mut reader: impl Read) -> std::io::Result<String> {
     let mut hasher = Sha256::new();
     let mut buffer = vec![0_u8; 1 << 16];
     loop {

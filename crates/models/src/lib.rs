@@ -49,6 +49,7 @@ pub use catalogue::{CATALOGUE, Hub, ModelFile, Source, Wheel};
 pub use chat::{
     ChatError, ChatModel, ChatReply, ChatRequest, CountedReply, Format, Message, Role, Schema,
 };
+pub use digest::sha256_of;
 pub use error::{BudgetError, Cause, LocalError, OpenError, ReplayError, SpecError, StoreError};
 pub use exchanges::Exchanges;
 pub use provider::Provider;

@@ -84,6 +84,7 @@ impl FinishedRun<'_> {
             provenance: record.provenance(),
             settings: record.in_force.clone(),
             targets: prepared.target_source(),
+            goal: prepared.suite.goal,
             traffic: prepared.suite.traffic,
             sensors: prepared.suite.sensors,
             memory: record.memory.clone(),

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use openbench_core::{Agent, RobotDescription};
+use openbench_core::{Agent, Registry, RobotDescription};
 use openbench_models::{Exchanges, PullEvent};
 use openbench_osm::OsmData;
 
@@ -128,5 +129,86 @@ where
     }
 }
 
+/// Makes a factory from what is written after the colon of `NAME:ARGUMENT`.
+type MakeFactory = dyn Fn(&str) -> Result<Arc<dyn AgentFactory>, AgentError> + Send + Sync;
+
+/// How an agent is found by its name.
+#[derive(Clone)]
+enum Part {
+    /// By the name alone.
+    Plain(Arc<dyn AgentFactory>),
+    /// By the name and an argument.
+    OfArgument(Arc<MakeFactory>),
+}
+
 /// Agents by name.
-pub type Agents = openbench_core::Registry<std::sync::Arc<dyn AgentFactory>>;
+#[derive(Clone)]
+pub struct Agents {
+    parts: Registry<Part>,
+}
+
+impl Default for Agents {
+    fn default() -> Self {
+        Self {
+            parts: Registry::new("agent"),
+        }
+    }
+}
+
+impl Agents {
+    /// The same with one more agent. One of the same name is replaced.
+    #[must_use]
+    pub fn with(self, name: &str, about: &str, factory: Arc<dyn AgentFactory>) -> Self {
+        Self {
+            parts: self.parts.with(name, about, Part::Plain(factory)),
+        }
+    }
+
+    /// The same with agents that take an argument: `name` has its form, as in `program:COMMAND`.
+    #[must_use]
+    pub fn with_argument(
+        self,
+        name: &str,
+        about: &str,
+        make: impl Fn(&str) -> Result<Arc<dyn AgentFactory>, AgentError> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            parts: self
+                .parts
+                .with(name, about, Part::OfArgument(Arc::new(make))),
+        }
+    }
+
+    /// The same with the agents of another registry, in whose places they come.
+    #[must_use]
+    pub fn with_all(self, others: &Self) -> Self {
+        Self {
+            parts: self.parts.with_entries(others.parts.entries().cloned()),
+        }
+    }
+
+    /// The factory of the agent that `NAME` or `NAME:ARGUMENT` names.
+    ///
+    /// # Errors
+    /// [`UnknownName`](openbench_core::UnknownName) with the names that there are, or the error of
+    /// an argument.
+    pub fn get(&self, name: &str) -> Result<Arc<dyn AgentFactory>, AgentError> {
+        let found = self.parts.find(name)?;
+        match &found.entry.part {
+            Part::Plain(factory) => Ok(Arc::clone(factory)),
+            Part::OfArgument(make) => make(found.argument),
+        }
+    }
+
+    /// What kind of part it contains.
+    pub fn kind(&self) -> &'static str {
+        self.parts.kind()
+    }
+
+    /// All names with the forms of their arguments, and what the agents are, in the order in which
+    /// they were registered.
+    pub fn names(&self) -> impl Iterator<Item = (&str, &str)> {
+        let entries = self.parts.entries();
+        entries.map(|entry| (entry.name.as_str(), entry.about.as_str()))
+    }
+}

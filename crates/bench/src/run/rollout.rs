@@ -19,6 +19,7 @@ use openbench_sim::{OBSERVATION_NS, Simulator};
 use super::observer::Observer;
 use crate::BenchError;
 use crate::image_file;
+use crate::suite::GoalKind;
 use crate::trace::{
     Deed, EpisodeTrace, Failure, Frame, PlacedDoor, PlateRead, PoseError, Reading, Smoothness,
     TaskOutcome, TimedDeed,
@@ -86,14 +87,26 @@ impl<'o> Rollout<'o> {
     pub fn new(prepared: &Prepared, episode: usize, seed: u64) -> Result<Self, BenchError> {
         let count = prepared.episodes.len();
         let missing = BenchError::NoSuchEpisode { episode, count };
-        let episode = prepared.episodes.get(episode).ok_or(missing)?.clone();
+        let episode = prepared.episodes.get(episode).ok_or(missing)?;
+        Self::of(prepared, episode.clone(), seed)
+    }
+
+    /// Starts an episode that is none of the suite's: with a start of its own, for training.
+    ///
+    /// # Errors
+    /// [`BenchError::World`] if people and cars cannot be placed.
+    pub fn of(
+        prepared: &Prepared,
+        episode: PreparedEpisode,
+        seed: u64,
+    ) -> Result<Self, BenchError> {
         Ok(Self {
             briefing: briefing(prepared, &episode),
+            simulator: prepared.simulator_at(episode.start, seed)?,
+            task: Task::new(episode.start.point()),
             episode,
-            simulator: prepared.simulator(seed)?,
             observers: Vec::new(),
             trace: EpisodeTrace::default(),
-            task: Task::new(prepared.world.start.point()),
             misread: VecDeque::new(),
             images: VecDeque::new(),
             error: None,
@@ -250,6 +263,17 @@ impl<'o> Rollout<'o> {
         Ok(self.trace)
     }
 
+    /// The simulator, which knows the truth: for rewards and pictures, not for agents.
+    pub fn simulator(&self) -> &Simulator {
+        &self.simulator
+    }
+
+    /// The addresses of the deliveries that have not ended.
+    pub fn open_addresses(&self) -> impl Iterator<Item = &Address> {
+        let open = self.open_targets().into_iter();
+        open.map(|target| &self.episode.targets[target].address)
+    }
+
     fn pose(&self) -> Pose2 {
         Pose2::from_pose3(&self.simulator.base_link())
     }
@@ -315,13 +339,18 @@ impl<'o> Rollout<'o> {
             .any(|outcome| outcome.target == target)
     }
 
-    fn open_targets(&self) -> Vec<usize> {
+    /// The deliveries that have not ended, as indices into the targets of the episode.
+    pub fn open_targets(&self) -> Vec<usize> {
         (0..self.episode.targets.len())
             .filter(|target| !self.has_ended(*target))
             .collect()
     }
 
     fn names(&self, target: usize, address: &Address) -> bool {
+        // An agent that is told a point knows no address.
+        if self.episode.goal == GoalKind::Point {
+            return true;
+        }
         self.episode.targets[target].address.same_door(address)
     }
 
@@ -472,8 +501,11 @@ fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {
     Briefing {
         map_osm: prepared.world.map.to_xml(),
         georeference: prepared.world.georeference,
-        goal: Goal::Instruction(episode.instruction.clone()),
-        start: prepared.world.start,
+        goal: match (episode.goal, prepared.point_goal(episode)) {
+            (GoalKind::Point, Some(point)) => Goal::Point(point),
+            _ => Goal::Instruction(episode.instruction.clone()),
+        },
+        start: episode.start,
         robot: prepared.robot.clone(),
         time_limit: prepared.public_time_limit,
     }

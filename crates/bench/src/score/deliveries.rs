@@ -347,6 +347,8 @@ mod tests {
 
     fn episode(doors: &[&Address], before: &[(usize, usize)]) -> PreparedEpisode {
         PreparedEpisode {
+            goal: Default::default(),
+            start: Default::default(),
             instruction: String::new(),
             targets: doors
                 .iter()

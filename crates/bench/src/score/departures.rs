@@ -2,7 +2,7 @@
 
 use crate::plural::count;
 use crate::score::results::Results;
-use crate::suite::TargetSource;
+use crate::suite::{GoalKind, TargetSource};
 
 /// The departures of a run, a line each; empty for a run with all defaults.
 pub fn departures(results: &Results) -> Vec<String> {
@@ -13,6 +13,9 @@ pub fn departures(results: &Results) -> Vec<String> {
              and SRTP are wrong"
                 .to_owned(),
         );
+    }
+    if results.goal == GoalKind::Point {
+        lines.push("the agent was told where the door is, and got no instruction".to_owned());
     }
     if results.provenance.uses_truth {
         lines.push("the agent was told what no robot can know: this run is a yardstick".to_owned());

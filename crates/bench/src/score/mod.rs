@@ -13,7 +13,7 @@
 //! | [`evaluate`] | the paper's metrics for logs of the reference recorder |
 
 pub mod across;
-pub(crate) mod deliveries;
+pub mod deliveries;
 pub mod departures;
 pub mod evaluate;
 pub mod health;

@@ -15,7 +15,7 @@ use crate::error::ResultsError;
 use crate::score::health::HealthSpan;
 use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum};
 use crate::score::provenance::{Provenance, Setting};
-use crate::suite::{Sensors, TargetSource};
+use crate::suite::{GoalKind, Sensors, TargetSource};
 use crate::trace::SmoothnessSum;
 
 /// Bound for a file of results, bytes.
@@ -42,6 +42,9 @@ pub struct Results {
     /// Where the doors that the judge expects are known from.
     #[serde(default)]
     pub targets: TargetSource,
+    /// What the agent was told to do.
+    #[serde(default)]
+    pub goal: GoalKind,
     /// People and cars requested by the suite.
     #[serde(default)]
     pub traffic: TrafficPlan,
@@ -437,6 +440,7 @@ pub(crate) mod tests {
             provenance: Provenance::default(),
             settings: BTreeMap::new(),
             targets: TargetSource::World,
+            goal: GoalKind::Instruction,
             traffic: TrafficPlan::default(),
             sensors: Sensors::default(),
             memory: None,

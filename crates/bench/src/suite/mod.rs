@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `source` | [`WorldSource`]: the source of the world |
 //! | `target_source` | [`TargetSource`]: where the requested doors are known from |
+//! | `goal` | [`GoalKind`]: what agents are told to do |
 //! | `sensors` | [`Sensors`]: sensors in addition to the benchmark's own |
 //! | `builtin` | the contents of the built-in suites |
 //! | [`deliveries`] | files of deliveries, with or without annotations |
@@ -14,6 +15,7 @@
 pub(crate) mod builtin;
 pub mod deliveries;
 pub mod draw;
+mod goal;
 mod sensors;
 mod source;
 mod target_source;
@@ -25,6 +27,7 @@ use openbench_core::Address;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
+pub use self::goal::GoalKind;
 pub use self::sensors::Sensors;
 pub use self::source::WorldSource;
 pub use self::target_source::TargetSource;
@@ -95,6 +98,7 @@ const MOST_MOVERS: usize = 10_000;
 ///         before: vec![],
 ///     }],
 ///     targets: Default::default(),
+///     goal: Default::default(),
 ///     sensors: Sensors::default(),
 /// };
 /// assert!(suite.to_toml().contains("building = \"building1\""));
@@ -109,6 +113,9 @@ pub struct Suite {
     /// Where the doors of the episodes are known from.
     #[serde(default)]
     pub targets: TargetSource,
+    /// What agents are told to do: the instruction, by default.
+    #[serde(default, skip_serializing_if = "GoalKind::is_instruction")]
+    pub goal: GoalKind,
     /// Moving people and cars; none by default and in the published suites.
     #[serde(default, skip_serializing_if = "TrafficPlan::is_empty")]
     pub traffic: TrafficPlan,
@@ -177,6 +184,7 @@ mod tests {
     #[test]
     fn a_suite_is_equal_after_writing_and_reading() {
         let suite = Suite {
+            goal: GoalKind::default(),
             name: "yard".into(),
             world: WorldSource::Imported {
                 world: "yard.world".into(),

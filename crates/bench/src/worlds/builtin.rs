@@ -7,7 +7,7 @@ use super::load;
 use crate::BenchError;
 use crate::suite::builtin::{BUILT_IN, builtin_suites};
 use crate::suite::draw::Draw;
-use crate::suite::{Sensors, Suite, TargetSource, WorldSource};
+use crate::suite::{GoalKind, Sensors, Suite, TargetSource, WorldSource};
 
 /// The built-in suite `small`, `medium` or `large`; the same deliveries on every call.
 ///
@@ -48,6 +48,7 @@ pub fn builtin_suite(name: &str) -> Result<Suite, BenchError> {
         name: name.to_owned(),
         world: source,
         targets: TargetSource::World,
+        goal: GoalKind::default(),
         traffic: TrafficPlan::default(),
         episodes,
         sensors: Sensors::default(),

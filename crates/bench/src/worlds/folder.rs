@@ -21,7 +21,7 @@ use super::prepared::Prepared;
 use super::recipe::{MAP, RECIPE, Recipe};
 use crate::BenchError;
 use crate::suite::draw::Draw;
-use crate::suite::{Sensors, Suite, TargetSource, WorldSource};
+use crate::suite::{GoalKind, Sensors, Suite, TargetSource, WorldSource};
 
 const PUBLIC: &str = "public.osm";
 const SUITE: &str = "suite.toml";
@@ -88,6 +88,7 @@ pub fn write(
         path: staging.path.clone(),
     };
     let suite = Suite {
+        goal: GoalKind::default(),
         name: recipe.name().to_owned(),
         world: source,
         targets: TargetSource::World,

@@ -8,12 +8,14 @@
 //! | `targets` | [`Target`]: the doors that an episode requests |
 //! | `recipe` | [`Recipe`]: sources and parameters of a world |
 //! | [`hashes`] | [`Hashes`]: what a run was made in |
+//! | `named` | [`suite_named`]: the suite that a user names |
 //! | [`folder`] | worlds as folders: recipe, maps, suite |
 
 mod builtin;
 pub mod folder;
 pub mod hashes;
 mod load;
+mod named;
 mod prepared;
 mod recipe;
 mod targets;
@@ -21,6 +23,7 @@ mod targets;
 pub use builtin::builtin_suite;
 pub use hashes::Hashes;
 pub use load::load;
+pub use named::suite_named;
 pub use prepared::{Prepared, PreparedEpisode};
 pub use recipe::Recipe;
 pub use targets::Target;

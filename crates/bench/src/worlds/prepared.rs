@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use openbench_core::{Address, Georeference, MapPoint, RobotDescription};
+use openbench_core::{Address, Georeference, MapPoint, Pose2, RobotDescription};
 use openbench_osm::{OsmData, OsmMap, Projection};
 use openbench_scene::{FreeSpace, World};
 use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
@@ -12,7 +12,7 @@ use openbench_sim::{Simulator, Stage};
 use super::load;
 use super::targets::{Target, find_doors, match_doors, read_truths};
 use crate::BenchError;
-use crate::suite::{Suite, TargetSource};
+use crate::suite::{GoalKind, Suite, TargetSource};
 
 /// Constant part of the time limit of a delivery.
 const BASE_TIME_LIMIT_S: f64 = 120.0;
@@ -26,6 +26,10 @@ const PUBLIC_DETOUR: f64 = 2.0;
 pub struct PreparedEpisode {
     /// The instruction for the agent.
     pub instruction: String,
+    /// What the agent is told.
+    pub goal: GoalKind,
+    /// Pose of the robot at its beginning: the world's start, but in training.
+    pub start: Pose2,
     /// The requested doors.
     pub targets: Vec<Target>,
     /// Pairs of indices into `targets`: the first has to be visited before the second.
@@ -177,17 +181,20 @@ impl Prepared {
         ))
     }
 
-    /// The simulator at the start of an episode, with people and cars.
+    /// The simulator with the robot at the world's start, with people and cars.
     ///
     /// # Errors
     /// [`BenchError::World`] if people and cars cannot be placed.
     pub fn simulator(&self, seed: u64) -> Result<Simulator, BenchError> {
-        let simulator = Simulator::new(
-            self.stage.clone(),
-            self.robot.clone(),
-            self.world.start,
-            seed,
-        );
+        self.simulator_at(self.world.start, seed)
+    }
+
+    /// The simulator with the robot at a pose, with people and cars.
+    ///
+    /// # Errors
+    /// As [`simulator`](Self::simulator).
+    pub fn simulator_at(&self, start: Pose2, seed: u64) -> Result<Simulator, BenchError> {
+        let simulator = Simulator::new(self.stage.clone(), self.robot.clone(), start, seed);
         match self.traffic(seed) {
             Some(traffic) => simulator.with_traffic(traffic).map_err(BenchError::world),
             None => Ok(simulator),
@@ -209,9 +216,15 @@ impl Prepared {
                         instruction: episode.instruction.clone(),
                     });
                 }
-                let time_limit = self.time_limit(&targets);
+                let (goal, start) = (self.suite.goal, self.world.start);
+                if goal == GoalKind::Point {
+                    self.check_point_goal(i, &targets)?;
+                }
+                let time_limit = self.time_limit(start.point(), &targets);
                 Ok(PreparedEpisode {
                     instruction: episode.instruction.clone(),
+                    goal,
+                    start,
                     targets,
                     before: episode.before.clone(),
                     time_limit,
@@ -220,10 +233,45 @@ impl Prepared {
             .collect()
     }
 
+    /// An episode from another start, with the time limit that follows from it.
+    #[must_use]
+    pub fn starting_at(&self, start: Pose2, episode: PreparedEpisode) -> PreparedEpisode {
+        PreparedEpisode {
+            start,
+            time_limit: self.time_limit(start.point(), &episode.targets),
+            ..episode
+        }
+    }
+
+    /// The place in front of the door of an episode with one delivery.
+    pub fn point_goal(&self, episode: &PreparedEpisode) -> Option<MapPoint> {
+        match episode.targets[..] {
+            [
+                Target {
+                    door: Some(door), ..
+                },
+            ] => self.approach[door],
+            _ => None,
+        }
+    }
+
+    /// Refuses an episode that has no single place to drive to.
+    fn check_point_goal(&self, number: usize, targets: &[Target]) -> Result<(), BenchError> {
+        let problem = match targets {
+            [target] => match target.door.and_then(|door| self.approach[door]) {
+                Some(_) => return Ok(()),
+                None => "its door cannot be reached",
+            },
+            _ => "it has several deliveries",
+        };
+        Err(BenchError::world(format!(
+            "episode {number} has no point as its goal: {problem}"
+        )))
+    }
+
     /// The exact time limit: for each delivery no more than agents were told.
-    fn time_limit(&self, targets: &[Target]) -> Duration {
+    fn time_limit(&self, mut from: MapPoint, targets: &[Target]) -> Duration {
         let public = self.public_time_limit.as_secs_f64();
-        let mut from = self.world.start.point();
         let mut seconds = 0.0;
         for target in targets {
             // An agent may search for a door that does not exist for this time only.

@@ -241,6 +241,7 @@ mod tests {
         let path = folder.path().join("truth.txt");
         std::fs::write(&path, text).unwrap();
         let suite = Suite {
+            goal: Default::default(),
             name: "street".into(),
             world: WorldSource::Folder { path: ".".into() },
             targets: TargetSource::Annotation,

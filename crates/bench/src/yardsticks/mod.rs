@@ -43,11 +43,11 @@ use straight_line::StraightLine;
 ///
 /// ```
 /// let agents = openbench_bench::yardsticks::agents();
-/// let names: Vec<&str> = agents.names().collect();
+/// let names: Vec<&str> = agents.names().map(|(name, _)| name).collect();
 /// assert_eq!(names, ["omniscient", "straight-line", "random"]);
 /// ```
 pub fn agents() -> Agents {
-    KINDS.iter().fold(Agents::new("agent"), |agents, kind| {
+    KINDS.iter().fold(Agents::default(), |agents, kind| {
         agents.with(kind.name, kind.about, Arc::new(*kind))
     })
 }

@@ -5,17 +5,17 @@ use std::time::Duration;
 
 use openbench_agents::open::Catalogue;
 use openbench_bench::Prepared;
+use openbench_bench::worlds::suite_named;
 use openbench_core::RobotDescription;
 use openbench_trials::degraded::{DegradedResult, trials};
 
 use crate::args::BenchHealthArgs;
-use crate::commands::run::named;
 use crate::outcome::{Outcome, say, say_json, tell};
 
 /// Drives with each kind of trouble.
 pub fn run(args: &BenchHealthArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     let localizer = parts.localizer(&args.localizer, None)?;
-    let prepared = Prepared::world_of(named(&args.world)?)?;
+    let prepared = Prepared::world_of(suite_named(&args.world)?)?;
     prepared.warnings().iter().for_each(|w| tell(w));
     let make = || localizer(&RobotDescription::sentry());
     let time = Duration::from_secs_f64(args.minutes * 60.0);

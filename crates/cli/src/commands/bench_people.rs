@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 
 use openbench_agents::open::{Catalogue, settings};
+use openbench_bench::worlds::suite_named;
 use openbench_bench::{Prepared, TrafficPlan};
 use openbench_motion::local::make_planner;
 use openbench_trials::motion::people::{PeopleRequest, PeopleResult, drive, drives};
 
 use crate::args::BenchPeopleArgs;
-use crate::commands::run::named;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::progress_bar;
 
@@ -27,7 +27,7 @@ pub fn run(args: &BenchPeopleArgs, parts: &Catalogue) -> anyhow::Result<Outcome>
     let bar = progress_bar(args.pedestrians.len() * drives(args.km), "drives");
     let mut rows = Vec::new();
     for &pedestrians in &args.pedestrians {
-        let mut suite = named(&args.world)?;
+        let mut suite = suite_named(&args.world)?;
         suite.traffic = TrafficPlan {
             pedestrians: usize::from(pedestrians),
             cars: usize::from(args.cars),

@@ -10,13 +10,14 @@ use openbench_trials::towns::{
 };
 
 use crate::args::BenchTownsArgs;
-use crate::commands::run::{check_agent, prepare_agent};
+use crate::commands::run::{agent_named, check_agent, prepare_agent};
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::progress_bar;
 
 /// Delivers in neighbourhoods that a seed draws.
 pub fn run(args: &BenchTownsArgs, agents: &Agents) -> anyhow::Result<Outcome> {
-    let factory = agents.get(&args.agent)?.as_ref();
+    let factory = agent_named(agents, &args.agent)?;
+    let factory = factory.as_ref();
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
     // With --draw nothing is driven, so nothing needs to be downloaded.
     if !args.draw {

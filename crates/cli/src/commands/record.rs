@@ -3,18 +3,18 @@
 use std::time::Duration;
 
 use openbench_bench::run::recorder::Recorder;
+use openbench_bench::worlds::suite_named;
 use openbench_bench::{Faults, ImuRange, Level, Prepared};
 use openbench_core::SimTime;
 use openbench_trials::tour::{STANDSTILL, Style, Tour, drive};
 
 use crate::args::RecordArgs;
-use crate::commands::run::named;
 use crate::outcome::{Outcome, tell};
 use crate::progress::progress_bar;
 
 /// Drives and records.
 pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
-    let mut suite = named(&args.world)?;
+    let mut suite = suite_named(&args.world)?;
     for (asked, planned) in [
         (args.pedestrians, &mut suite.traffic.pedestrians),
         (args.cars, &mut suite.traffic.cars),

@@ -2,17 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::Context;
 use openbench_bench::plural::count;
 use openbench_bench::report::terminal_table;
 use openbench_bench::suite::draw::Draw;
-use openbench_bench::suite::{Sensors, deliveries};
-use openbench_bench::worlds::{folder, load};
+use openbench_bench::suite::{GoalKind, Sensors, deliveries};
+use openbench_bench::worlds::{load, suite_named};
 use openbench_bench::{
     AgentFactory, Agents, BenchError, Episode, InterruptedRun, Prepared, Results, RunRequest,
-    Suite, TargetSource, TrafficPlan, Unfinished, WorldSource, builtin_suite, builtin_suites,
-    interrupted,
+    Suite, TargetSource, TrafficPlan, Unfinished, WorldSource, builtin_suites, interrupted,
 };
 use openbench_core::Address;
 use openbench_osm::{OsmData, lost_in_merge};
@@ -35,7 +35,8 @@ pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
 
 /// Runs a suite from its first episode.
 fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<Outcome> {
-    let factory = agents.get(&args.agent)?.as_ref();
+    let factory = agent_named(agents, &args.agent)?;
+    let factory = factory.as_ref();
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
     // First of all: a misspelt setting is found at once, while building the world takes a while.
     check_agent(factory, &settings)?;
@@ -122,7 +123,8 @@ fn resume(
         "{finished} of {} finished",
         count(record.episodes, "episode", "episodes")
     ));
-    let factory = agents.get(&record.agent)?.as_ref();
+    let factory = agent_named(agents, &record.agent)?;
+    let factory = factory.as_ref();
     check_agent(factory, &record.settings)?;
     let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
     prepare_agent(factory, &record.settings)?;
@@ -317,6 +319,11 @@ fn probe(path: &Path) -> anyhow::Result<()> {
     Ok(std::fs::remove_file(&name)?)
 }
 
+/// The agent of a name.
+pub(super) fn agent_named(agents: &Agents, name: &str) -> anyhow::Result<Arc<dyn AgentFactory>> {
+    agents.get(name).map_err(anyhow::Error::from_boxed)
+}
+
 /// Lets an agent check its settings.
 pub(super) fn check_agent(
     factory: &dyn AgentFactory,
@@ -339,7 +346,7 @@ pub(super) fn prepare_agent(
 fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
     let (mut suite, truth) = match (&args.world, &args.map) {
         (Some(world), Some(map)) => (imported(args, world, map)?, args.truth.as_deref()),
-        _ => (named(args.suite.as_deref().unwrap_or("small"))?, None),
+        _ => (suite_named(args.suite.as_deref().unwrap_or("small"))?, None),
     };
     for (asked, planned) in [
         (args.pedestrians, &mut suite.traffic.pedestrians),
@@ -355,26 +362,6 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
         .for_each(|w| tell(&format!("{}: {w}", prepared.world.name)));
     prepared.warnings().iter().for_each(|w| tell(w));
     Ok(prepared)
-}
-
-/// The suite that a word names.
-pub(super) fn named(name: &str) -> anyhow::Result<Suite> {
-    let path = Path::new(name);
-    if folder::is_world(path) {
-        return Ok(folder::suite_of(path)?);
-    }
-    // A folder that happens to be called as a built-in suite does not hide the suite.
-    if path.is_dir() && !builtin_suites().iter().any(|known| known == name) {
-        anyhow::bail!(
-            "{name}: the folder has no world.toml; make a world with `openbench world generate`"
-        );
-    }
-    let is_file = path.extension().is_some_and(|e| e == "toml");
-    Ok(if is_file {
-        Suite::read(path)?
-    } else {
-        builtin_suite(name)?
-    })
 }
 
 fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
@@ -409,6 +396,7 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
     };
     let (traffic, sensors) = (TrafficPlan::default(), Sensors::default());
     Ok(Suite {
+        goal: GoalKind::default(),
         name,
         world: source,
         targets,

@@ -12,7 +12,7 @@ use openbench_bench::{
 use openbench_core::input;
 
 use crate::args::VerifyArgs;
-use crate::commands::run::{check_agent, prepare_agent};
+use crate::commands::run::{agent_named, check_agent, prepare_agent};
 use crate::commands::seeds;
 use crate::outcome::{Outcome, say, tell};
 use crate::progress::progress_bar;
@@ -131,13 +131,13 @@ fn check_claims(
     agents: &Agents,
 ) -> anyhow::Result<Option<String>> {
     let factory = match agents.get(&record.agent) {
-        Ok(factory) => factory.as_ref(),
+        Ok(factory) => factory,
         Err(unknown) => return Ok(Some(unknown.to_string())),
     };
     if let Err(unknown) = factory.check(&record.settings) {
         return Ok(Some(unknown.to_string()));
     }
-    match verify_agent(&args.run, record, prepared, factory) {
+    match verify_agent(&args.run, record, prepared, factory.as_ref()) {
         Err(BenchError::Agent { source, .. }) => Ok(Some(source.to_string())),
         checked => Ok(checked.map(|()| None)?),
     }
@@ -149,7 +149,10 @@ fn check_repeatable(record: &RunRecord, args: &VerifyArgs, agents: &Agents) -> a
         let run = args.run.display();
         anyhow::bail!("the agent of {run} cannot be run again: {reason}; leave --agent out");
     }
-    check_agent(agents.get(&record.agent)?.as_ref(), &record.settings)
+    check_agent(
+        agent_named(agents, &record.agent)?.as_ref(),
+        &record.settings,
+    )
 }
 
 /// Compares the actions of the agent that is run again.
@@ -159,7 +162,8 @@ fn drive_again(
     args: &VerifyArgs,
     agents: &Agents,
 ) -> anyhow::Result<()> {
-    let factory = agents.get(&record.agent)?.as_ref();
+    let factory = agent_named(agents, &record.agent)?;
+    let factory = factory.as_ref();
     let memory = memory_of(&args.run)?;
     prepare_agent(factory, &record.settings)?;
     let bar = progress_bar(prepared.episodes.len(), "driving again");

@@ -112,6 +112,11 @@ impl FreeSpace {
         self.ground
     }
 
+    /// The grid in which places are distinguished.
+    pub fn grid(&self) -> &GridGeometry {
+        &self.grid
+    }
+
     /// Whether the footprint fits at `point` and gets there from the start.
     pub fn is_reachable(&self, point: MapPoint) -> bool {
         self.grid.cell_at(point).is_some_and(|c| self.reachable[c])

@@ -1,0 +1,161 @@
+//! Agents in other programs: `--agent python:FILE.py:CLASS` and `--agent program:COMMAND`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+use std::time::Duration;
+
+use openbench_agents::remote::{ChildLink, Patience, Policy, Pool};
+use openbench_bench::run::registry::{AgentError, AgentSettings};
+use openbench_bench::{AgentFactory, AgentRequest, ModelDigest, Setting};
+use openbench_core::Agent;
+use openbench_models::{PullEvent, sha256_of};
+
+/// The variable that names the Python interpreter of `python:` agents.
+pub const INTERPRETER: &str = "OPENBENCH_PYTHON";
+/// The setting for how long an action may take.
+const TIMEOUT: &str = "timeout";
+/// The setting for how long a program may take to begin.
+const BEGIN_TIMEOUT: &str = "begin-timeout";
+/// The longest time that can be set, seconds.
+const LONGEST_S: f64 = 86_400.0;
+
+/// Agents that are one program.
+struct ProgramFactory {
+    /// The processes that run it.
+    pool: Pool,
+    /// The file that the agent is, if there is one.
+    file: Option<PathBuf>,
+}
+
+/// The agents that are classes in Python files.
+///
+/// # Errors
+/// An argument that is none of `FILE.py:CLASS`, or a file that is not there.
+pub fn python(argument: &str) -> Result<Arc<dyn AgentFactory>, AgentError> {
+    let parts = argument.rsplit_once(':');
+    let Some((file, class)) = parts.filter(|(file, class)| !file.is_empty() && is_name(class))
+    else {
+        return Err(format!(
+            "python:{argument}: write python:FILE.py:CLASS, such as python:my_agent.py:MyAgent"
+        )
+        .into());
+    };
+    if !Path::new(file).is_file() {
+        return Err(format!("python:{argument}: there is no file {file}").into());
+    }
+    let interpreter = std::env::var(INTERPRETER).unwrap_or_else(|_| "python3".to_owned());
+    // `-u`, so that what an agent prints is seen when it prints it.
+    let words = [&interpreter, "-u", "-m", "openbench._child", file, class];
+    Ok(Arc::new(ProgramFactory {
+        pool: pool(words.map(str::to_owned).to_vec()),
+        file: Some(file.into()),
+    }))
+}
+
+/// The agents that are programs which speak the policy protocol.
+///
+/// # Errors
+/// An empty command.
+pub fn program(argument: &str) -> Result<Arc<dyn AgentFactory>, AgentError> {
+    let words: Vec<String> = argument.split_whitespace().map(str::to_owned).collect();
+    let Some(first) = words.first() else {
+        return Err("write program:COMMAND, such as program:./my-policy".into());
+    };
+    // A program that is found in PATH has no hash in the results.
+    let file = Some(PathBuf::from(first)).filter(|path| path.is_file());
+    let pool = pool(words);
+    Ok(Arc::new(ProgramFactory { pool, file }))
+}
+
+/// Processes of a command.
+fn pool(words: Vec<String>) -> Pool {
+    Pool::new(move |within| {
+        let mut command = Command::new(&words[0]);
+        command.args(&words[1..]);
+        Ok(Box::new(ChildLink::start(&mut command, within)?))
+    })
+}
+
+/// Whether a word can be the name of a class.
+fn is_name(word: &str) -> bool {
+    !word.is_empty()
+        && word
+            .chars()
+            .all(|c| c.is_alphanumeric() || "_.".contains(c))
+}
+
+impl AgentFactory for ProgramFactory {
+    fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
+        let patience = patience(request.settings)?;
+        Ok(Box::new(Policy::new(&self.pool, request.seed, patience)?))
+    }
+
+    fn check(&self, settings: &AgentSettings) -> Result<(), AgentError> {
+        patience(settings).map(|_| ())
+    }
+
+    fn prepare(
+        &self,
+        settings: &AgentSettings,
+        _: &mut dyn FnMut(PullEvent),
+    ) -> Result<(), AgentError> {
+        // A program that cannot begin is an error of the user, not a result.
+        let link = self.pool.take(patience(settings)?.begin)?;
+        self.pool.give_back(link);
+        Ok(())
+    }
+
+    fn in_force(&self, settings: &AgentSettings) -> BTreeMap<String, Setting> {
+        let defaults = Patience::default();
+        let times = [(TIMEOUT, defaults.act), (BEGIN_TIMEOUT, defaults.begin)];
+        let setting = |(key, default): (&str, Duration)| {
+            let default = default.as_secs_f64().to_string();
+            let value = settings.get(key).unwrap_or(&default);
+            (key.to_owned(), Setting::new(value.clone(), &default))
+        };
+        times.into_iter().map(setting).collect()
+    }
+
+    fn models(&self, _: &AgentSettings) -> Result<Vec<ModelDigest>, AgentError> {
+        let Some(file) = &self.file else {
+            return Ok(Vec::new());
+        };
+        let open = std::fs::File::open(file);
+        let sha256 = open.and_then(sha256_of);
+        let sha256 = sha256.map_err(|error| format!("{}: {error}", file.display()))?;
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        Ok(vec![ModelDigest {
+            name: name.into_owned(),
+            sha256,
+        }])
+    }
+
+    fn inputs(&self, _: &AgentSettings) -> Vec<PathBuf> {
+        self.file.iter().cloned().collect()
+    }
+}
+
+/// How long answers may take, by the settings.
+fn patience(settings: &AgentSettings) -> Result<Patience, AgentError> {
+    let mut patience = Patience::default();
+    for (key, value) in settings {
+        let time = match key.as_str() {
+            TIMEOUT => &mut patience.act,
+            BEGIN_TIMEOUT => &mut patience.begin,
+            _ => {
+                return Err(format!(
+                    "{key}: there is no such setting; known: {TIMEOUT}, {BEGIN_TIMEOUT}"
+                )
+                .into());
+            }
+        };
+        let seconds: Option<f64> = value.parse().ok();
+        let seconds = seconds.filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST_S);
+        *time = seconds
+            .map(Duration::from_secs_f64)
+            .ok_or_else(|| format!("{key}={value}: write seconds, up to a day"))?;
+    }
+    Ok(patience)
+}

@@ -1,0 +1,209 @@
+//! Environments over whole episodes.
+
+use openbench_bench::suite::GoalKind;
+use openbench_bench::worlds::suite_named;
+use openbench_core::{FailureCause, MapPoint, Pose2, frames::wrap_angle};
+use openbench_environment::{
+    Declaration, Environment, EnvironmentError, Observe, Options, PoseSource, RangeImage,
+    StartDistance, Step, World,
+};
+
+fn environment(options: Options) -> Environment {
+    let world = World::new(suite_named("small").unwrap(), &options).unwrap();
+    Environment::new(world, options).unwrap()
+}
+
+/// A point goal near by, seen from an estimated pose.
+fn point_goal() -> Options {
+    Options {
+        goal: GoalKind::Point,
+        start: Some(StartDistance {
+            least: 2.0,
+            largest: 6.0,
+        }),
+        observe: Observe {
+            range_image: Some(RangeImage::default()),
+            pose: Some(PoseSource::Wheels),
+            imu: true,
+            ..Observe::default()
+        },
+        steps_per_action: 2,
+        ..Options::default()
+    }
+}
+
+/// Turns towards a place in the robot's frame, then drives there.
+fn towards(forward: f64, left: f64) -> [f64; 3] {
+    let bearing = libm::atan2(left, forward);
+    let speed = if bearing.abs() < 0.3 { 0.4 } else { 0.0 };
+    [speed, 2.0 * bearing, 0.0]
+}
+
+/// Follows the shortest way by the truth to within half a metre, declares there, and returns the
+/// steps.
+fn deliver(environment: &mut Environment) -> Vec<Step> {
+    let mut steps = Vec::new();
+    loop {
+        let prepared = environment.world().prepared();
+        let (pose, left) = environment.privileged().unwrap();
+        let address = environment.open_address().unwrap();
+        let doors = &prepared.world.scene.doors;
+        let door = doors
+            .iter()
+            .position(|door| door.address.same_door(address));
+        let goal = prepared.approach[door.unwrap()].unwrap();
+        let action = if left.unwrap() < 0.5 {
+            [0.0, 0.0, 1.0]
+        } else {
+            let ahead = ahead(environment, pose, goal);
+            let (forward, left) = pose.inverse_transform(ahead);
+            towards(forward, left)
+        };
+        let step = environment.step(action).unwrap();
+        let ended = step.outcome.is_some();
+        steps.push(step);
+        if ended {
+            return steps;
+        }
+    }
+}
+
+/// A place half a metre along the shortest way.
+fn ahead(environment: &Environment, pose: Pose2, goal: MapPoint) -> MapPoint {
+    let space = &environment.world().prepared().free_space;
+    let here = space.nearest_reachable(pose.point(), 1.0).unwrap();
+    let path = space.path(here, goal).unwrap();
+    let far = path.iter().find(|corner| corner.distance(here) > 0.5);
+    *far.unwrap_or(&goal)
+}
+
+#[test]
+fn a_robot_that_follows_the_way_is_rewarded_for_its_length_and_for_success() {
+    let mut environment = environment(Options::default());
+    environment.reset(Some(3), Some(0)).unwrap();
+    let (_, way) = environment.privileged().unwrap();
+    let steps = deliver(&mut environment);
+    let last = steps.last().unwrap();
+    let outcome = last.outcome.as_ref().unwrap();
+    assert!(outcome.is_success && last.terminated && !last.truncated);
+    let total: f64 = steps.iter().map(|step| step.reward).sum();
+    let time = 0.05 * outcome.sim_seconds;
+    let touched = outcome.deliveries[0].contact_s;
+    let expected = way.unwrap() - 0.5 - time - touched + 10.0;
+    assert!((total - expected).abs() < 1.0, "{total}, not {expected}");
+}
+
+#[test]
+fn the_same_seed_and_actions_give_the_same_episode() {
+    let drive = |seed| {
+        let mut environment = environment(point_goal());
+        let mut seen = vec![environment.reset(Some(seed), None).unwrap()];
+        for i in 0..40 {
+            let step = environment
+                .step([0.2, 0.1 * f64::from(i % 5), 0.0])
+                .unwrap();
+            seen.push(step.observation);
+        }
+        seen
+    };
+    assert_eq!(drive(1), drive(1));
+    assert_ne!(drive(1), drive(2));
+}
+
+#[test]
+fn a_point_goal_is_seen_from_where_the_robot_takes_itself_to_be() {
+    let mut environment = environment(point_goal());
+    for seed in 0..5 {
+        let observation = environment.reset(Some(seed), None).unwrap();
+        let [forward, left] = observation.goal.unwrap().map(f64::from);
+        let (pose, way) = environment.privileged().unwrap();
+        let way = way.unwrap();
+        assert!((1.9..6.2).contains(&way), "{way}");
+        // The way is at most 8 % longer than the shortest, and no shorter than the straight line.
+        assert!(libm::hypot(forward, left) < way + 0.2);
+        let goal = pose.transform(forward, left);
+        let prepared = environment.world().prepared();
+        let nearest = prepared.approach.iter().flatten().map(|p| p.distance(goal));
+        assert!(nearest.fold(f64::INFINITY, f64::min) < 0.1);
+        assert_eq!(observation.range_image.len(), 8 * 120);
+        assert_eq!(observation.imu.len(), 2 * 5 * 6);
+    }
+}
+
+#[test]
+fn a_robot_that_arrives_has_delivered_where_the_environment_declares() {
+    let options = Options {
+        declaration: Declaration::Arrival(0.7),
+        ..point_goal()
+    };
+    let mut environment = environment(options);
+    environment.reset(Some(5), None).unwrap();
+    for _ in 0..1000 {
+        let (pose, _) = environment.privileged().unwrap();
+        let address = environment.open_address().unwrap().clone();
+        let prepared = environment.world().prepared();
+        let doors = &prepared.world.scene.doors;
+        let door = doors
+            .iter()
+            .position(|door| door.address.same_door(&address));
+        let goal = prepared.approach[door.unwrap()].unwrap();
+        let ahead = ahead(&environment, pose, goal);
+        let (forward, left) = pose.inverse_transform(ahead);
+        assert!(wrap_angle(pose.yaw).is_finite());
+        let step = environment.step(towards(forward, left)).unwrap();
+        if let Some(outcome) = step.outcome {
+            assert!(outcome.is_success, "{outcome:?}");
+            return;
+        }
+    }
+    panic!("it never arrived");
+}
+
+#[test]
+fn the_end_of_time_truncates() {
+    let options = Options {
+        time_limit_s: Some(1.0),
+        ..Options::default()
+    };
+    let mut environment = environment(options);
+    environment.reset(Some(1), None).unwrap();
+    let last = (0..20).map(|_| environment.step([0.0; 3]).unwrap()).last();
+    let last = last.unwrap();
+    assert!(last.truncated && !last.terminated);
+    let outcome = last.outcome.unwrap();
+    assert_eq!(outcome.deliveries[0].failure, Some(FailureCause::Timeout));
+    let after = environment.step([0.0; 3]);
+    assert!(matches!(after, Err(EnvironmentError::NoEpisode)));
+}
+
+#[test]
+fn a_wrong_declaration_fails() {
+    let mut environment = environment(point_goal());
+    environment.reset(Some(1), None).unwrap();
+    let step = environment.step([0.0, 0.0, 1.0]).unwrap();
+    assert!(step.terminated && step.reward < -4.0);
+    assert!(!step.outcome.unwrap().is_success);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let mut environment = environment(Options::default());
+    assert!(matches!(
+        environment.step([0.0; 3]),
+        Err(EnvironmentError::NoEpisode)
+    ));
+    environment.reset(None, None).unwrap();
+    assert!(matches!(
+        environment.step([f64::NAN, 0.0, 0.0]),
+        Err(EnvironmentError::Action(_))
+    ));
+    // The episode goes on.
+    environment.step([0.1, 0.0, 0.0]).unwrap();
+    assert!(environment.reset(None, Some(1_000_000)).is_err());
+    let world = environment.world().clone();
+    let options = Options {
+        steps_per_action: 0,
+        ..Options::default()
+    };
+    assert!(Environment::new(world, options).is_err());
+}

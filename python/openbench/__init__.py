@@ -1,0 +1,36 @@
+"""Benchmark and baseline of delivery robots that find the right front door."""
+
+from openbench._openbench import InputError, OpenBenchError, ProtocolError, __version__
+from openbench.agent import (
+    Action,
+    Address,
+    Agent,
+    Briefing,
+    Deliver,
+    Drive,
+    GiveUp,
+    Observation,
+    Scan,
+)
+from openbench.evaluation import evaluate
+from openbench.registration import make, register_environments
+
+__all__ = [
+    "Action",
+    "Address",
+    "Agent",
+    "Briefing",
+    "Deliver",
+    "Drive",
+    "GiveUp",
+    "InputError",
+    "Observation",
+    "OpenBenchError",
+    "ProtocolError",
+    "Scan",
+    "__version__",
+    "evaluate",
+    "make",
+]
+
+register_environments()

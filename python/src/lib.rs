@@ -1,0 +1,34 @@
+//! The Python module `openbench._openbench`, on which the package `openbench` is built.
+//!
+//! | module | contents |
+//! |---|---|
+//! | `policy` | `PolicyEnd`: the end of a connection at which a policy in Python sits |
+//! | `evaluation` | runs suites with policies of this process |
+//! | `environment` | environments for learners |
+//! | `errors` | exceptions by kind |
+
+mod environment;
+mod errors;
+mod evaluation;
+mod policy;
+
+use std::ffi::OsString;
+
+use pyo3::prelude::*;
+
+/// Runs the command line; returns the exit code.
+#[pyfunction]
+fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| openbench::main_of(arguments, openbench::Extensions::new()))
+}
+
+#[pymodule]
+fn _openbench(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_class::<policy::PolicyEnd>()?;
+    module.add_class::<evaluation::Run>()?;
+    module.add_class::<environment::PyOptions>()?;
+    module.add_class::<environment::PyEnvironments>()?;
+    errors::add(module)
+}
