@@ -33,7 +33,9 @@ pub struct PyOptions {
 #[pymethods]
 impl PyOptions {
     #[new]
-    #[pyo3(signature = (*, observations, goal, start, steps, arrival, rewards, range_image, pose, time_limit))]
+    #[pyo3(signature = (
+        *, observations, goal, start, steps, arrival, rewards, range_image, pose, time_limit
+    ))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
         observations: Vec<String>,
@@ -46,8 +48,10 @@ impl PyOptions {
         pose: &str,
         time_limit: Option<f64>,
     ) -> PyResult<Self> {
+        let (rows, columns) = range_image;
+        let size = RangeImage { rows, columns };
         let options = Options {
-            observe: observe(&observations, range_image, pose)?,
+            observe: observe(&observations, size, pose)?,
             goal: match goal {
                 "instruction" => GoalKind::Instruction,
                 "point" => GoalKind::Point,
@@ -64,7 +68,7 @@ impl PyOptions {
     }
 }
 
-fn observe(names: &[String], range_image: (usize, usize), pose: &str) -> PyResult<Observe> {
+fn observe(names: &[String], size: RangeImage, pose: &str) -> PyResult<Observe> {
     let mut observe = Observe::default();
     let source = match pose {
         "wheels" => PoseSource::Wheels,
@@ -75,10 +79,7 @@ fn observe(names: &[String], range_image: (usize, usize), pose: &str) -> PyResul
         match name.as_str() {
             "image" => observe.image = true,
             "points" => observe.points = true,
-            "range_image" => {
-                let (rows, columns) = range_image;
-                observe.range_image = Some(RangeImage { rows, columns });
-            }
+            "range_image" => observe.range_image = Some(size),
             "imu" => observe.imu = true,
             "wheels" => observe.wheels = true,
             // A goal is seen from an estimated pose.

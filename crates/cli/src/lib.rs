@@ -80,7 +80,9 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>, extensions: Extens
         .with_writer(std::io::stderr)
         .with_env_filter(filter)
         .without_time()
-        .init();
+        // A process that runs several commands has its subscriber already.
+        .try_init()
+        .ok();
     // Before the extensions are checked, so that --help works even if a name is refused.
     let matches = help::command(&extensions).try_get_matches_from(arguments);
     let args = match matches.and_then(|matches| Args::from_arg_matches(&matches)) {

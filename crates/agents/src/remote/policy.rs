@@ -237,7 +237,7 @@ mod tests {
 
     use super::*;
 
-    /// Answers from a list, and keeps what it is told.
+    /// A link with scripted replies, which records the requests.
     struct Script {
         replies: VecDeque<Result<Reply, LinkError>>,
         told: Arc<Mutex<Vec<Request>>>,
@@ -269,7 +269,7 @@ mod tests {
         }
     }
 
-    /// A policy that answers so, the pool that its link goes back to, and what it is told.
+    /// A policy with scripted replies, the pool of its link, and the recorded requests.
     fn policy(
         replies: impl IntoIterator<Item = Result<Reply, LinkError>>,
     ) -> (Policy, Pool, Arc<Mutex<Vec<Request>>>) {

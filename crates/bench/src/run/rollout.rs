@@ -347,7 +347,7 @@ impl<'o> Rollout<'o> {
     }
 
     fn names(&self, target: usize, address: &Address) -> bool {
-        // An agent that is told a point knows no address.
+        // With a point as its goal, an agent has no address to declare.
         if self.episode.goal == GoalKind::Point {
             return true;
         }

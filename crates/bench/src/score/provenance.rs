@@ -27,7 +27,7 @@ impl Setting {
 /// A model file that an agent used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModelDigest {
-    /// Its name in the catalogue of models.
+    /// Its name in the catalogue of models; the name of its file for an agent in a file.
     pub name: String,
     /// SHA-256, hexadecimal.
     pub sha256: String,

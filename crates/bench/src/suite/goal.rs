@@ -1,4 +1,4 @@
-//! What agents are told to do.
+//! The kind of goal that a suite gives its agents.
 
 use serde::{Deserialize, Serialize};
 

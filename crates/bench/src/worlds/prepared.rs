@@ -26,7 +26,7 @@ const PUBLIC_DETOUR: f64 = 2.0;
 pub struct PreparedEpisode {
     /// The instruction for the agent.
     pub instruction: String,
-    /// What the agent is told.
+    /// The kind of goal in the briefing.
     pub goal: GoalKind,
     /// Pose of the robot at its beginning: the world's start, but in training.
     pub start: Pose2,
