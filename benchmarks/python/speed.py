@@ -1,7 +1,7 @@
 """How fast environments are: speed.py [SECONDS]
 
-Point goals in `medium` with images of distances, a step an action. Times are of the wall; the machine
-should do nothing else.
+Point goals in `medium` with images of distances, a step an action. Times are of the wall; the
+machine should do nothing else.
 """
 
 from __future__ import annotations
@@ -130,11 +130,13 @@ def main() -> None:
     two = processes(2, seconds)
     print(f"two processes                 {two:7.1f}")
     fast = asynchronous(seconds, 2)
-    print(f"{ENVIRONMENTS} asynchronous, two threads   {fast:7.1f}   {100 * fast / two:.0f} % of them")
+    share = 100 * fast / two
+    print(f"{ENVIRONMENTS} asynchronous, two threads   {fast:7.1f}   {share:.0f} % of them")
     single_thread = synchronous(seconds, 1)
     print(f"{ENVIRONMENTS} synchronous, one thread     {single_thread:7.1f}")
     both = synchronous(seconds, 2)
-    print(f"{ENVIRONMENTS} synchronous, two threads    {both:7.1f}   {both / single_thread:.2f} times")
+    ratio = both / single_thread
+    print(f"{ENVIRONMENTS} synchronous, two threads    {both:7.1f}   {ratio:.2f} times")
 
 
 if __name__ == "__main__":

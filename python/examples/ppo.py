@@ -1,8 +1,8 @@
 """Trains a policy for a short point goal with PPO by stable-baselines3: ppo.py SEED FOLDER [STEPS]
 
-The robot begins 1.5 to 6 m from a door, at any heading, sees a coarse image of distances, the speeds
-of its wheels and where the door is, and has 60 s. Writes the returns and rates of success of the
-training's episodes to FOLDER/seed-SEED.csv, and the policy beside it.
+The robot begins 1.5 to 6 m from a door, at any heading, sees a coarse image of distances, the
+speeds of its wheels and where the door is, and has 60 s. Writes the returns and rates of success of
+the training's episodes to FOLDER/seed-SEED.csv, and the policy beside it.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
 """Benchmark and baseline of delivery robots that find the right front door."""
 
+from openbench import _openbench
 from openbench._openbench import InputError, OpenBenchError, ProtocolError, __version__
 from openbench.agent import (
     Action,
@@ -33,4 +34,5 @@ __all__ = [
     "make",
 ]
 
+_openbench.set_module(_openbench.__file__)
 register_environments()

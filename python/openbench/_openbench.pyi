@@ -17,6 +17,7 @@ __all__ = [
     "Run",
     "__version__",
     "main",
+    "set_module",
 ]
 
 __version__: str
@@ -26,6 +27,7 @@ class InputError(OpenBenchError): ...
 class ProtocolError(OpenBenchError): ...
 
 def main(arguments: Sequence[str]) -> int: ...
+def set_module(file: str | PathLike[str]) -> None: ...
 
 @final
 class PolicyEnd:

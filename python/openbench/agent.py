@@ -107,7 +107,7 @@ class Observation:
 
     @property
     def image(self) -> npt.NDArray[np.uint8] | None:
-        """The camera's image of this instant, if its rate allows one; it is rendered when asked for."""
+        """The camera's image of this instant, if its rate allows one; rendered on request."""
         if not self._image_asked:
             self._image_asked = True
             image = self._end.image()

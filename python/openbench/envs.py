@@ -1,7 +1,8 @@
 """Episodes of the benchmark as `gymnasium` environments.
 
-`openbench/Delivery-v0` is one environment, and with `gymnasium.make_vec` several on threads of Rust.
-`openbench/PointGoal-v0` begins near a door and is told where it is: a short task for a first policy.
+`openbench/Delivery-v0` is one environment, and with `gymnasium.make_vec` several on threads of
+Rust. `openbench/PointGoal-v0` begins near a door whose place is known: a short task for a first
+policy.
 """
 
 from __future__ import annotations
@@ -179,7 +180,7 @@ class DeliveryVectorEnv(VectorEnv[Observations, Array, Array]):
     def receive(
         self, count: int
     ) -> tuple[Array, Observations, Array, Array, Array, dict[str, Any]]:
-        """The first `count` steps that are done: the numbers of their environments, then as `step`."""
+        """The first `count` steps that are done: numbers of environments, then as `step`."""
         numbers, stepped = self._environments.receive(count)
         return numbers, *self._stepped(numbers, stepped)
 
@@ -190,7 +191,7 @@ class DeliveryVectorEnv(VectorEnv[Observations, Array, Array]):
         infos: dict[str, Any] = {}
         for row, last, scores in ends:
             final = {key: value[0] for key, value in last.items()}
-            ended = {"final_obs": final, "final_info": final_info(scores)}
+            ended = {"final_obs": final, "final_info": final_info(scores, self.settings)}
             infos = self._add_info(infos, ended, row)
             # Of the episode that has begun.
             infos = self._add_info(infos, self._info(int(numbers[row])), row)
@@ -276,7 +277,7 @@ class DeliveryEnv(gym.Env[Observations, Array]):
         rows = self.settings.actions(np.asarray(action)[None], 1)
         observations, rewards, terminations, truncations, ends = self._environments.step(rows)
         for _, observations, scores in ends:
-            info = final_info(scores)
+            info = final_info(scores, self.settings)
             self._running = False
         if not ends:
             info = self._info()
@@ -317,10 +318,11 @@ def info_of(text: str) -> dict[str, Any]:
     }
 
 
-def final_info(text: str) -> dict[str, Any]:
-    """The scores of an episode that has ended."""
+def final_info(text: str, settings: Settings) -> dict[str, Any]:
+    """The scores of an episode that has ended, and whether the truth was used besides rewards."""
     outcome: dict[str, Any] = json.loads(text)
-    return outcome
+    uses_truth = settings.privileged or settings.arrival is not None
+    return {**outcome, "uses_truth": uses_truth}
 
 
 def _only(observations: Observations) -> Observations:

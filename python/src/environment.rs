@@ -137,35 +137,29 @@ impl<T> Owned<T> {
                  start processes by spawn or forkserver",
             ));
         }
-        let guard = match self.value.try_lock() {
-            Ok(guard) => guard,
-            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
-            Err(TryLockError::WouldBlock) => {
-                return Err(PyRuntimeError::new_err(
-                    "this environment is in use by another thread",
-                ));
-            }
-        };
+        let guard = self.guard()?;
         if guard.is_none() {
             return Err(PyRuntimeError::new_err("this environment is closed"));
         }
         Ok(Held(guard))
     }
 
+    /// Drops the value. In a process that forked it has no threads, and stays.
     fn close(&self) -> PyResult<()> {
-        if self.process != std::process::id() {
-            return Ok(());
-        }
-        match self.value.try_lock() {
-            Ok(mut guard) => *guard = None,
-            Err(TryLockError::Poisoned(poisoned)) => *poisoned.into_inner() = None,
-            Err(TryLockError::WouldBlock) => {
-                return Err(PyRuntimeError::new_err(
-                    "this environment is in use by another thread",
-                ));
-            }
+        if self.process == std::process::id() {
+            *self.guard()? = None;
         }
         Ok(())
+    }
+
+    fn guard(&self) -> PyResult<MutexGuard<'_, Option<T>>> {
+        match self.value.try_lock() {
+            Ok(guard) => Ok(guard),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
+                "this environment is in use by another thread",
+            )),
+        }
     }
 }
 

@@ -10,9 +10,11 @@ use std::time::Duration;
 
 use openbench_agents::remote::channel::channel;
 use openbench_agents::remote::{Link, LinkError, Patience, Policy, Pool};
-use openbench_bench::run::registry::AgentError;
+use openbench_bench::run::registry::{AgentError, AgentSettings};
 use openbench_bench::worlds::suite_named;
-use openbench_bench::{AgentRequest, BenchError, Prepared, Results, RunRequest, Unfinished, run};
+use openbench_bench::{
+    AgentFactory, AgentRequest, BenchError, Prepared, Results, RunRequest, Setting, Unfinished, run,
+};
 use openbench_core::Agent;
 use pyo3::prelude::*;
 
@@ -123,12 +125,11 @@ impl Run {
         let stop = Arc::clone(&self.stop);
         let start = Python::attach(|py| drive.start.clone_ref(py));
         let pool = Pool::new(move |_| connect(&start, &stop));
-        let make = |request: &AgentRequest<'_>| -> Result<Box<dyn Agent>, AgentError> {
-            Ok(Box::new(Policy::new(&pool, request.seed, drive.patience)?))
+        let factory = RunningAgents {
+            pool,
+            patience: drive.patience,
         };
-        let settings = BTreeMap::new();
         let request = RunRequest {
-            settings: &settings,
             seed: drive.seed,
             jobs: drive.jobs,
             out: drive.out.as_deref(),
@@ -136,9 +137,37 @@ impl Run {
             build: &openbench::build(),
             command: "openbench.evaluate",
             stop: &self.stop,
-            ..RunRequest::new(&self.prepared, &self.agent, &make)
+            ..RunRequest::new(&self.prepared, &self.agent, &factory)
         };
         Ok(run(&request)?.results)
+    }
+}
+
+/// Agents of this process.
+struct RunningAgents {
+    pool: Pool,
+    patience: Patience,
+}
+
+impl AgentFactory for RunningAgents {
+    fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
+        Ok(Box::new(Policy::new(
+            &self.pool,
+            request.seed,
+            self.patience,
+        )?))
+    }
+
+    fn in_force(&self, _: &AgentSettings) -> BTreeMap<String, Setting> {
+        let seconds = |patience: Patience| patience.act.as_secs_f64().to_string();
+        let timeout = Setting::new(seconds(self.patience), &seconds(Patience::default()));
+        BTreeMap::from([("timeout".to_owned(), timeout)])
+    }
+
+    fn cannot_repeat(&self, _: &AgentSettings) -> Option<String> {
+        let reason = "the agent was an object of a Python program; one that can be run again is \
+                      named by `--agent python:FILE:CLASS`";
+        Some(reason.to_owned())
     }
 }
 

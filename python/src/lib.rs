@@ -13,8 +13,15 @@ mod evaluation;
 mod policy;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 use pyo3::prelude::*;
+
+/// Names the file of this module, whose hash is in results.
+#[pyfunction]
+fn set_module(file: PathBuf) {
+    openbench::set_module(file);
+}
 
 /// Runs the command line; returns the exit code.
 #[pyfunction]
@@ -26,6 +33,7 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 fn _openbench(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(set_module, module)?)?;
     module.add_class::<policy::PolicyEnd>()?;
     module.add_class::<evaluation::Run>()?;
     module.add_class::<environment::PyOptions>()?;

@@ -63,6 +63,7 @@ def command(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]
 def test_results_come_as_a_dictionary() -> None:
     results = openbench.evaluate(Ahead, "small", jobs=2)
     assert results["agent"] == "python:Ahead"
+    assert "Python program" in results["provenance"]["cannot_repeat"]
     assert len(results["deliveries"]) == 11
     causes = {delivery["failure"] for delivery in results["deliveries"]}
     assert causes == {"door_not_found"}

@@ -59,7 +59,7 @@ def test_the_end_has_the_scores_of_the_judge() -> None:
     env.reset(seed=0, options={"episode": 2})
     _, reward, terminated, truncated, info = env.step(np.array([0.0, 0.0, 1.0]))
     assert terminated and not truncated and reward < -4
-    assert info["is_success"] is False
+    assert info["is_success"] is False and info["uses_truth"] is False
     assert info["deliveries"][0]["failure"] == "wrong_place"
     with pytest.raises(RuntimeError, match="reset first"):
         env.step(np.array([0.0, 0.0, 0.0]))

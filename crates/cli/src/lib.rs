@@ -53,7 +53,9 @@ mod progress;
 mod signals;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::OnceLock;
 
 use clap::FromArgMatches as _;
 
@@ -96,9 +98,19 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>, extensions: Extens
 /// The commit that this program is built from.
 const COMMIT: &str = env!("OPENBENCH_COMMIT");
 
+/// The file that has this code, where it is not the program of the process.
+static MODULE: OnceLock<PathBuf> = OnceLock::new();
+
+/// Names the file that has this code, if an interpreter runs it: results have its hash. The first
+/// name counts.
+pub fn set_module(file: PathBuf) {
+    MODULE.get_or_init(|| file);
+}
+
 /// This program: its commit, its file, and the platform that it is built for.
 pub fn build() -> Build {
-    let program = std::env::current_exe().ok();
+    let module = MODULE.get().cloned();
+    let program = module.or_else(|| std::env::current_exe().ok());
     Build {
         commit: COMMIT.to_owned(),
         // A program whose file was replaced since it started can still run.

@@ -113,6 +113,21 @@ fn sure() -> f64 {
 }
 
 impl PlannedDelivery {
+    /// A delivery to an address, of which nothing else is known.
+    pub fn to(instruction_index: usize, address: Address) -> Self {
+        Self {
+            instruction_index,
+            item: String::new(),
+            building: address.building,
+            unit: address.unit,
+            levels: Vec::new(),
+            steps: Vec::new(),
+            confidence: sure(),
+            problem: None,
+            deadline: None,
+        }
+    }
+
     /// The address of the door.
     pub fn address(&self) -> Address {
         Address {

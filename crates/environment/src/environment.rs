@@ -9,8 +9,9 @@ use openbench_bench::worlds::PreparedEpisode;
 use openbench_bench::{Rollout, Status};
 use openbench_core::{
     Action, Address, Briefing, Event, FailureCause, Goal, Image, ImuSample, LidarScan, Pose2,
-    PoseEstimate, SimTime, Velocity, WheelSample,
+    PoseEstimate, SimTime, Velocity,
 };
+use openbench_localization::wheels::Wheels;
 use openbench_localization::{DeadReckoning, LidarInertial, Localizer};
 use openbench_sim::{ImageSize, View};
 use rand::{RngExt, SeedableRng};
@@ -80,13 +81,12 @@ struct Running {
 }
 
 /// What was sensed last.
-#[derive(Default)]
 struct Sensed {
     localizer: Option<Box<dyn Localizer + Send>>,
     scan: Option<LidarScan>,
     image: Option<Arc<Image>>,
     imu: Vec<ImuSample>,
-    wheels: Option<WheelSample>,
+    wheels: Wheels,
     speeds: [f32; 2],
 }
 
@@ -128,7 +128,7 @@ impl Environment {
         if let Some(seed) = seed {
             self.random = Pcg64Mcg::seed_from_u64(seed);
         }
-        // Dropped first, so that two worlds are never in memory.
+        // Dropped first, so that two simulators are never in memory.
         self.episode = None;
         let count = self.world.prepared().episodes.len();
         let drawn = self.random.random_range(0..count);
@@ -252,6 +252,10 @@ impl Running {
             self.advance(Action::Drive(Velocity::ZERO), options);
         }
         self.sensed.look(&self.rollout, options);
+        // The policy is rewarded for what follows.
+        self.left_m = self.way_left();
+        self.contact_s = self.contact_time();
+        self.rewarded = self.rollout.observation().time;
     }
 
     fn act(&mut self, action: [f64; 3], options: &Options) {
@@ -273,7 +277,7 @@ impl Running {
         self.sensed.look(&self.rollout, options);
     }
 
-    /// Declares the delivery that is open, and drives to the next one.
+    /// Declares the delivery that is open.
     fn declare(&mut self, options: &Options) {
         let address = self.rollout.open_addresses().next().cloned();
         if let Some(address) = address {
@@ -344,9 +348,7 @@ impl Running {
         let here = self.true_pose().point();
         self.field.as_ref()?.length(here)
     }
-}
 
-impl Running {
     /// The reward since the last call, without that for the end.
     fn reward(&mut self, options: &Options, world: &World) -> f64 {
         let rewards = options.rewards;
@@ -438,7 +440,11 @@ impl Sensed {
         }
         Self {
             localizer,
-            ..Self::default()
+            scan: None,
+            image: None,
+            imu: Vec::new(),
+            wheels: Wheels::new(&briefing.robot),
+            speeds: [0.0; 2],
         }
     }
 
@@ -459,13 +465,10 @@ impl Sensed {
             let kept = IMU_SAMPLES * options.steps_per_action as usize;
             self.imu.drain(..self.imu.len().saturating_sub(kept));
         }
-        if let Some(now) = observation.wheels.last() {
-            let robot = &rollout.briefing().robot;
-            let speeds = self.wheels.and_then(|before| {
-                observation::speeds(before, *now, robot.wheel_radius, robot.effective_track)
-            });
-            self.speeds = speeds.unwrap_or(self.speeds);
-            self.wheels = Some(*now);
+        for sample in observation.wheels {
+            if let Some(speed) = self.wheels.take(sample) {
+                self.speeds = [speed.velocity.x as f32, speed.turn as f32];
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use openbench_core::{Health, Image, ImuSample, LidarScan, MapPoint, Pose2, WheelSample};
+use openbench_core::{Health, Image, ImuSample, LidarScan, MapPoint, Pose2};
 
 use crate::options::RangeImage;
 use crate::range_image;
@@ -57,24 +57,6 @@ pub fn imu_of(samples: &[ImuSample], rows: usize) -> Vec<f32> {
         }
     }
     values
-}
-
-/// Forward speed and turn rate between two samples of the wheels.
-pub fn speeds(
-    before: WheelSample,
-    now: WheelSample,
-    wheel_radius: f64,
-    track: f64,
-) -> Option<[f32; 2]> {
-    let seconds = now.stamp.since(before.stamp).as_secs_f64();
-    let rim = |before: f64, now: f64| (now - before) * wheel_radius / seconds;
-    let (left, right) = (rim(before.left, now.left), rim(before.right, now.right));
-    (seconds > 0.0).then(|| {
-        [
-            ((left + right) / 2.0) as f32,
-            ((right - left) / track) as f32,
-        ]
-    })
 }
 
 /// A place as a robot with that pose sees it.

@@ -6,18 +6,6 @@ use openbench_scene::FreeSpace;
 
 /// Cells of the free space on one side of a cell of the field.
 const COARSER: usize = 3;
-/// The cells about a cell: columns, rows.
-const STEPS: [(i64, i64); 8] = [
-    (1, 0),
-    (0, 1),
-    (-1, 0),
-    (0, -1),
-    (1, 1),
-    (-1, 1),
-    (1, -1),
-    (-1, -1),
-];
-
 /// The length of the way from each place to a goal, along a grid of eight directions: up to 8 %
 /// longer than the shortest way.
 #[derive(Debug, Clone)]
@@ -46,7 +34,7 @@ impl WayField {
             if length as f32 > lengths[cell] {
                 continue;
             }
-            for next in neighbours(&grid, cell).filter(is_free) {
+            for next in grid.neighbours(cell).filter(is_free) {
                 let longer = length + grid.cell * grid.cells_apart(cell, next);
                 if (longer as f32) < lengths[next] {
                     lengths[next] = longer as f32;
@@ -88,13 +76,7 @@ fn coarser(grid: &GridGeometry) -> GridGeometry {
 /// The cell of a place and the cells about it.
 fn around(grid: &GridGeometry, place: MapPoint) -> impl Iterator<Item = usize> {
     let cell = grid.cell_at(place).into_iter();
-    cell.flat_map(|cell| neighbours(grid, cell).chain([cell]))
-}
-
-fn neighbours(grid: &GridGeometry, cell: usize) -> impl Iterator<Item = usize> {
-    let (column, row) = grid.column_row(cell);
-    let steps = STEPS.into_iter();
-    steps.filter_map(move |(dx, dy)| grid.cell_in(column + dx, row + dy))
+    cell.flat_map(|cell| grid.neighbours(cell).chain([cell]))
 }
 
 #[cfg(test)]

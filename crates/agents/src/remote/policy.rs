@@ -72,7 +72,7 @@ impl Policy {
         let link = self.link.as_mut().ok_or(LinkError::ended("before"))?;
         let until = Instant::now() + within;
         link.send(request)?;
-        let (mut scans, mut images) = (0, 0);
+        let (mut sent_scan, mut sent_image) = (false, false);
         loop {
             let left = until.saturating_duration_since(Instant::now());
             let reply = link.receive(left).map_err(|error| match error {
@@ -80,12 +80,12 @@ impl Policy {
                 error => error,
             })?;
             match (&reply, observation) {
-                (Reply::WantScan, Some(observation)) if scans == 0 => {
-                    scans += 1;
+                (Reply::WantScan, Some(observation)) if !sent_scan => {
+                    sent_scan = true;
                     link.send(&Request::Scan(observation.scan.map(Scan::from)))?;
                 }
-                (Reply::WantImage, Some(observation)) if images == 0 => {
-                    images += 1;
+                (Reply::WantImage, Some(observation)) if !sent_image => {
+                    sent_image = true;
                     self.image = observation.camera.image();
                     link.send(&Request::Image(self.image.clone().map(Picture::from)))?;
                 }
@@ -207,17 +207,7 @@ fn is_finite(action: &Action) -> bool {
 /// The plan of a policy: doors in an order, without routes.
 fn plan(addresses: Vec<openbench_core::Address>) -> Plan {
     let deliveries = addresses.into_iter().enumerate();
-    let deliveries = deliveries.map(|(instruction_index, address)| PlannedDelivery {
-        instruction_index,
-        item: String::new(),
-        building: address.building,
-        unit: address.unit,
-        levels: Vec::new(),
-        steps: Vec::new(),
-        confidence: 1.0,
-        problem: None,
-        deadline: None,
-    });
+    let deliveries = deliveries.map(|(index, address)| PlannedDelivery::to(index, address));
     Plan {
         planner: "policy".to_owned(),
         deliveries: deliveries.collect(),

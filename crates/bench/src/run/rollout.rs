@@ -348,7 +348,7 @@ impl<'o> Rollout<'o> {
 
     fn names(&self, target: usize, address: &Address) -> bool {
         // With a point as its goal, an agent has no address to declare.
-        if self.episode.goal == GoalKind::Point {
+        if matches!(self.briefing.goal, Goal::Point(_)) {
             return true;
         }
         self.episode.targets[target].address.same_door(address)
@@ -501,7 +501,7 @@ fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {
     Briefing {
         map_osm: prepared.world.map.to_xml(),
         georeference: prepared.world.georeference,
-        goal: match (episode.goal, prepared.point_goal(episode)) {
+        goal: match (prepared.suite.goal, prepared.point_goal(episode)) {
             (GoalKind::Point, Some(point)) => Goal::Point(point),
             _ => Goal::Instruction(episode.instruction.clone()),
         },

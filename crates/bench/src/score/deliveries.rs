@@ -327,17 +327,7 @@ mod tests {
     }
 
     fn plan(doors: &[&Address]) -> Plan {
-        let delivery = |door: &&Address| PlannedDelivery {
-            instruction_index: 0,
-            item: String::new(),
-            building: door.building.clone(),
-            unit: door.unit.clone(),
-            levels: Vec::new(),
-            steps: Vec::new(),
-            confidence: 1.0,
-            problem: None,
-            deadline: None,
-        };
+        let delivery = |door: &&Address| PlannedDelivery::to(0, (*door).clone());
         Plan {
             planner: "test".into(),
             deliveries: doors.iter().map(delivery).collect(),
@@ -347,7 +337,6 @@ mod tests {
 
     fn episode(doors: &[&Address], before: &[(usize, usize)]) -> PreparedEpisode {
         PreparedEpisode {
-            goal: Default::default(),
             start: Default::default(),
             instruction: String::new(),
             targets: doors

@@ -26,8 +26,6 @@ const PUBLIC_DETOUR: f64 = 2.0;
 pub struct PreparedEpisode {
     /// The instruction for the agent.
     pub instruction: String,
-    /// The kind of goal in the briefing.
-    pub goal: GoalKind,
     /// Pose of the robot at its beginning: the world's start, but in training.
     pub start: Pose2,
     /// The requested doors.
@@ -216,19 +214,18 @@ impl Prepared {
                         instruction: episode.instruction.clone(),
                     });
                 }
-                let (goal, start) = (self.suite.goal, self.world.start);
-                if goal == GoalKind::Point {
-                    self.check_point_goal(i, &targets)?;
-                }
-                let time_limit = self.time_limit(start.point(), &targets);
-                Ok(PreparedEpisode {
+                let start = self.world.start;
+                let episode = PreparedEpisode {
                     instruction: episode.instruction.clone(),
-                    goal,
                     start,
+                    time_limit: self.time_limit(start.point(), &targets),
                     targets,
                     before: episode.before.clone(),
-                    time_limit,
-                })
+                };
+                if self.suite.goal == GoalKind::Point && self.point_goal(&episode).is_none() {
+                    return Err(no_point_goal(i, &episode));
+                }
+                Ok(episode)
             })
             .collect()
     }
@@ -253,20 +250,6 @@ impl Prepared {
             ] => self.approach[door],
             _ => None,
         }
-    }
-
-    /// Refuses an episode that has no single place to drive to.
-    fn check_point_goal(&self, number: usize, targets: &[Target]) -> Result<(), BenchError> {
-        let problem = match targets {
-            [target] => match target.door.and_then(|door| self.approach[door]) {
-                Some(_) => return Ok(()),
-                None => "its door cannot be reached",
-            },
-            _ => "it has several deliveries",
-        };
-        Err(BenchError::world(format!(
-            "episode {number} has no point as its goal: {problem}"
-        )))
     }
 
     /// The exact time limit: for each delivery no more than agents were told.
@@ -350,6 +333,17 @@ impl Prepared {
         const MAX_OFFSET_M: f64 = 1.0;
         self.free_space.nearest_reachable(robot, MAX_OFFSET_M)
     }
+}
+
+/// The error of an episode that has no single place to drive to.
+fn no_point_goal(number: usize, episode: &PreparedEpisode) -> BenchError {
+    let problem = match episode.targets.len() {
+        1 => "its door cannot be reached",
+        _ => "it has several deliveries",
+    };
+    BenchError::world(format!(
+        "episode {number} has no point as its goal: {problem}"
+    ))
 }
 
 /// The first of many words, and how many follow.

@@ -2,6 +2,18 @@
 
 use openbench_core::MapPoint;
 
+/// Columns and rows to the neighbours of a cell; each diagonal lies between two of the first four.
+pub const NEIGHBOURS: [(i64, i64); 8] = [
+    (1, 0),
+    (0, 1),
+    (-1, 0),
+    (0, -1),
+    (1, 1),
+    (-1, 1),
+    (-1, -1),
+    (1, -1),
+];
+
 /// A grid of square cells, numbered row by row from the south-west.
 ///
 /// ```
@@ -73,6 +85,13 @@ impl GridGeometry {
         let inside =
             column >= 0 && row >= 0 && column < self.width as i64 && row < self.height as i64;
         inside.then(|| row as usize * self.width + column as usize)
+    }
+
+    /// The cells around a cell, up to eight.
+    pub fn neighbours(&self, cell: usize) -> impl Iterator<Item = usize> {
+        let (column, row) = self.column_row(cell);
+        let steps = NEIGHBOURS.into_iter();
+        steps.filter_map(move |(dx, dy)| self.cell_in(column + dx, row + dy))
     }
 
     /// The middle of a cell.

@@ -12,7 +12,7 @@ mod distance_transform;
 mod frontier;
 mod sight;
 
-pub use cells::GridGeometry;
+pub use cells::{GridGeometry, NEIGHBOURS};
 pub use distance_transform::squared_distances;
 pub use frontier::Frontier;
 pub use sight::{in_sight, passes_all};

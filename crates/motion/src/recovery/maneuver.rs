@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use openbench_core::{MapPoint, Pose2, frames::wrap_angle};
-use openbench_geometry::grid::{Frontier, GridGeometry};
+use openbench_geometry::grid::{Frontier, GridGeometry, NEIGHBOURS};
 
 use crate::limits::Limits;
 use crate::near_cells::each_cell_near;
@@ -193,16 +193,7 @@ impl Search<'_> {
                 continue;
             }
             let (x, y) = self.grid.column_row(cell);
-            for (dx, dy) in [
-                (1, 0),
-                (0, 1),
-                (-1, 0),
-                (0, -1),
-                (1, 1),
-                (-1, 1),
-                (-1, -1),
-                (1, -1),
-            ] {
+            for (dx, dy) in NEIGHBOURS {
                 // Corners may be cut here. The search forward checks the footprint itself.
                 let Some(next) = self.grid.cell_in(x + dx, y + dy).filter(|&n| free(n)) else {
                     continue;

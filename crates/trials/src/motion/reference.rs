@@ -11,7 +11,7 @@
 
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity};
-use openbench_geometry::grid::GridGeometry;
+use openbench_geometry::grid::{GridGeometry, NEIGHBOURS};
 use openbench_motion::Limits;
 use openbench_motion::feasible::clearance;
 use openbench_motion::recovery::maneuver;
@@ -477,16 +477,6 @@ enum Flood {
 /// Fills the free cells around `from`, with eight neighbours each, until it reaches `target`. Cells
 /// that were reached are marked as blocked.
 fn flood(grid: &GridGeometry, blocked: &mut [bool], from: usize, target: Option<usize>) -> Flood {
-    const NEIGHBOURS: [(i64, i64); 8] = [
-        (1, 0),
-        (0, 1),
-        (-1, 0),
-        (0, -1),
-        (1, 1),
-        (-1, 1),
-        (-1, -1),
-        (1, -1),
-    ];
     // The first cell counts as free: the robot is there, even if it touches an obstacle.
     let mut open = vec![from];
     let mut border = false;

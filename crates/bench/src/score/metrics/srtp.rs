@@ -140,15 +140,8 @@ mod tests {
             let plan = Plan {
                 planner: "test".into(),
                 deliveries: vec![PlannedDelivery {
-                    instruction_index: 0,
-                    item: String::new(),
-                    building: door.building.clone(),
-                    unit: door.unit.clone(),
-                    levels: Vec::new(),
-                    steps: Vec::new(),
-                    confidence: 1.0,
                     problem: problem.map(str::to_owned),
-                    deadline: None,
+                    ..PlannedDelivery::to(0, door.clone())
                 }],
                 fallbacks: Vec::new(),
             };

@@ -2,9 +2,9 @@
 
 use openbench_core::MapPoint;
 use openbench_geometry::Segment;
-use openbench_geometry::grid::{GridGeometry, in_sight};
+use openbench_geometry::grid::{GridGeometry, NEIGHBOURS, in_sight};
 
-use super::search::{ClassSearch, Field, Found, NEIGHBOURS};
+use super::search::{ClassSearch, Field, Found};
 use super::signature::{Clusters, MOST_CLUSTERS, Passing, Signature, keep_nearest};
 use crate::checks::{SettingsError, at_least, not_negative, positive};
 use crate::near_cells::each_cell_near;

@@ -1,22 +1,11 @@
 //! A* over cells and signatures: the cheapest path of each of the cheapest classes.
 
 use openbench_core::MapPoint;
-use openbench_geometry::grid::{Frontier, GridGeometry};
+use openbench_geometry::grid::{Frontier, GridGeometry, NEIGHBOURS};
 
 use super::crossings::Crossings;
 use super::signature::Signature;
 
-/// Columns and rows to the neighbours of a cell; each diagonal lies between two of the first four.
-pub(super) const NEIGHBOURS: [(i64, i64); 8] = [
-    (1, 0),
-    (0, 1),
-    (-1, 0),
-    (0, -1),
-    (1, 1),
-    (-1, 1),
-    (-1, -1),
-    (1, -1),
-];
 /// No entry of a list.
 const NOWHERE: u32 = u32::MAX;
 
