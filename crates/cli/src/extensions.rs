@@ -15,6 +15,7 @@ use openbench_vision::{PlateReader, ReaderContext, ReaderPart};
 
 use crate::open_agent::{self, OpenFactory};
 use crate::policy_agents;
+use crate::served_agents;
 
 /// Agents, and parts of OPEN, beside the built-in ones.
 ///
@@ -225,6 +226,21 @@ impl Extensions {
                 "program:COMMAND",
                 "a program that speaks the policy protocol",
                 policy_agents::program,
+            )
+            .with_argument(
+                "openpi:ws://HOST:PORT",
+                "a policy server of openpi",
+                served_agents::openpi,
+            )
+            .with_argument(
+                "vla-eval:ws://HOST:PORT",
+                "a model server of vla-eval",
+                served_agents::vla_eval,
+            )
+            .with_argument(
+                "navdp:http://HOST:PORT",
+                "a server of NavDP",
+                served_agents::navdp,
             )
             .with_all(&yardsticks::agents())
     }

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use clap::{Command, CommandFactory as _};
 use openbench_agents::open::choices::MODEL;
 use openbench_agents::open::{Catalogue, Choices};
+use openbench_agents::served::SETTINGS;
 use openbench_core::registry::Entry;
 use openbench_models::spec::FORMS;
 use openbench_vision::ReaderPart;
@@ -28,10 +29,11 @@ Yardsticks that use the truth, named in the results:
 pub fn command(extensions: &Extensions) -> Command {
     let choices = extensions.parts().choices();
     let run = format!(
-        "{}\n{}{}{TRUTH}",
+        "{}\n{}{}{TRUTH}{}",
         agents(extensions),
         settings_of_open(&choices),
-        parts_of_open(extensions.parts())
+        parts_of_open(extensions.parts()),
+        settings_of_servers()
     );
     let motion = list("Local planners", value_names(&choices, "motion"));
     let people = list("Local planners", marked_values(&choices, "motion"));
@@ -88,7 +90,7 @@ fn described<P>(entry: &Entry<P>) -> String {
 }
 
 fn line(name: &str, about: &str) -> String {
-    format!("      {name:<22} {about}\n")
+    format!("      {name:<24} {about}\n")
 }
 
 fn settings_of_open(choices: &[Choices]) -> String {
@@ -99,7 +101,17 @@ fn settings_of_open(choices: &[Choices]) -> String {
     }
     let _ = writeln!(text, "  {MODEL} is one of:");
     for form in FORMS {
-        let _ = writeln!(text, "      {:<22} {}", form.name, form.about);
+        let _ = writeln!(text, "      {:<24} {}", form.name, form.about);
+    }
+    text
+}
+
+fn settings_of_servers() -> String {
+    let mut text = "\nSettings of agents behind policy servers (--set KEY=VALUE):\n".to_owned();
+    for setting in SETTINGS {
+        let (key, values, default) = (setting.key, setting.values, setting.default);
+        let _ = writeln!(text, "  {key}: {values} (default {default})");
+        let _ = writeln!(text, "      {}", setting.about);
     }
     text
 }

@@ -50,6 +50,7 @@ mod open_agent;
 pub mod outcome;
 mod policy_agents;
 mod progress;
+mod served_agents;
 mod signals;
 
 use std::ffi::OsString;

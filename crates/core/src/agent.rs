@@ -196,6 +196,8 @@ pub enum FailureCause {
     PlannerUnavailable,
     /// The plate reader's model was unreachable, or its answer was unusable.
     ReaderUnavailable,
+    /// The policy server was unreachable, or its answer was unusable.
+    PolicyUnavailable,
     /// No route leads to the building.
     NoRoute,
     /// The robot could not move on.
@@ -224,6 +226,7 @@ impl fmt::Display for FailureCause {
             Self::UnknownAddress => "unknown address",
             Self::PlannerUnavailable => "planner failed",
             Self::ReaderUnavailable => "plate reader failed",
+            Self::PolicyUnavailable => "policy server failed",
             Self::NoRoute => "no route",
             Self::Stuck => "stuck",
             Self::DoorNotFound => "door not found",

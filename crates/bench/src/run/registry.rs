@@ -77,6 +77,16 @@ pub trait AgentFactory: Send + Sync {
         Ok(())
     }
 
+    /// Checks that a server which the agent asks can be reached; called once before a run, but not
+    /// before recorded answers are repeated.
+    ///
+    /// # Errors
+    /// An error that names the server.
+    fn reach(&self, settings: &AgentSettings) -> Result<(), AgentError> {
+        let _ = settings;
+        Ok(())
+    }
+
     /// Whether an agent with these settings uses the truth about its episodes; by default it does
     /// not. The results of an agent that does say so.
     fn uses_truth(&self, settings: &AgentSettings) -> bool {

@@ -37,7 +37,7 @@ pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
 fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<Outcome> {
     let factory = agent_named(agents, &args.agent)?;
     let factory = factory.as_ref();
-    let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
+    let settings = settings(args);
     // First of all: a misspelt setting is found at once, while building the world takes a while.
     check_agent(factory, &settings)?;
     if args.seeds.is_none() {
@@ -53,6 +53,7 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
     let fits = factory.check_robot(&settings, &prepared.robot);
     fits.map_err(anyhow::Error::from_boxed)?;
     prepare_agent(factory, &settings)?;
+    reach_server(factory, &settings)?;
     let mut read = factory.inputs(&settings);
     read.extend(inputs(args, &prepared.suite.world));
     for out in seeds::folders(args) {
@@ -128,6 +129,7 @@ fn resume(
     check_agent(factory, &record.settings)?;
     let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
     prepare_agent(factory, &record.settings)?;
+    reach_server(factory, &record.settings)?;
     let request = RunRequest {
         jobs: usize::from(args.jobs),
         level: record.logs,
@@ -341,6 +343,21 @@ pub(super) fn prepare_agent(
     factory
         .prepare(settings, &mut |event| progress.show(event))
         .map_err(anyhow::Error::from_boxed)
+}
+
+/// Checks that the server of an agent can be reached, so that nothing is run without it.
+fn reach_server(
+    factory: &dyn AgentFactory,
+    settings: &BTreeMap<String, String>,
+) -> anyhow::Result<()> {
+    factory.reach(settings).map_err(anyhow::Error::from_boxed)
+}
+
+/// The settings of the agent.
+fn settings(args: &RunArgs) -> BTreeMap<String, String> {
+    let realtime = args.realtime.then(|| ("thinking".into(), "charged".into()));
+    let given = args.settings.iter().cloned();
+    realtime.into_iter().chain(given).collect()
 }
 
 fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {

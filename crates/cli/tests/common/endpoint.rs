@@ -36,6 +36,12 @@ pub fn says(text: impl Into<String>) -> Answer {
 /// Serves until the test ends; returns what to write after `reader=` or `planner=`. The answer
 /// follows from the number of the request, from 0, and its body.
 pub fn endpoint(answer: impl Fn(usize, &str) -> Answer + Send + Sync + 'static) -> String {
+    let port = http(answer);
+    format!("openai:parrot@http://127.0.0.1:{port}/v1")
+}
+
+/// As [`endpoint`]; returns the port.
+pub fn http(answer: impl Fn(usize, &str) -> Answer + Send + Sync + 'static) -> u16 {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
     let (answer, asked) = (Arc::new(answer), Arc::new(AtomicUsize::new(0)));
@@ -51,7 +57,7 @@ pub fn endpoint(answer: impl Fn(usize, &str) -> Answer + Send + Sync + 'static) 
             });
         }
     });
-    format!("openai:parrot@http://127.0.0.1:{port}/v1")
+    port
 }
 
 /// An endpoint that always says the same.
@@ -81,9 +87,10 @@ fn read(stream: &TcpStream) -> Option<String> {
             None => {}
         }
     }
-    let mut body = String::new();
-    request.take(length).read_to_string(&mut body).ok()?;
-    Some(body)
+    let mut body = Vec::new();
+    request.take(length).read_to_end(&mut body).ok()?;
+    // Images are no text.
+    Some(String::from_utf8_lossy(&body).into_owned())
 }
 
 fn reply(mut stream: &TcpStream, answer: Answer) -> Option<()> {
