@@ -21,8 +21,11 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 BINARY = ROOT / "target" / "release" / "openbench"
-#: What both policies answer: a slow circle.
-ACTIONS = np.array([[0.1, 0.5]] * 2, np.float32)
+#: What both policies answer: a slow circle, without declaring a delivery.
+CIRCLE = np.array([[0.1, 0.5, 0.0]] * 2, np.float32)
+#: What they answer last: that the parcel is delivered.
+DELIVERED = np.array([[0.0, 0.0, 1.0]], np.float32)
+QUESTIONS = 500
 SUITE = """
 name = "round-trips"
 goal = "point"
@@ -38,12 +41,15 @@ deliveries = [{ building = "building3", unit = "unit1" }]
 
 
 class Constant:
-    """A policy that takes no time."""
+    """A policy that takes no time, and delivers after so many questions."""
 
-    metadata: dict[str, Any] = {}
+    def __init__(self) -> None:
+        self.asked = 0
 
     def infer(self, observation: dict[str, Any]) -> dict[str, Any]:
-        return {"actions": ACTIONS}
+        self.asked += 1
+        is_last = self.asked % (QUESTIONS + 1) == 0
+        return {"actions": DELIVERED if is_last else CIRCLE}
 
 
 def serve_openpi(port: int) -> None:
@@ -56,9 +62,11 @@ def serve_vla_eval(port: int) -> None:
     from vla_eval.model_servers.predict import PredictModelServer
     from vla_eval.model_servers.serve import serve
 
+    policy = Constant()
+
     class Server(PredictModelServer):
         def predict(self, obs: dict[str, Any], ctx: Any) -> dict[str, Any]:
-            return {"actions": ACTIONS}
+            return policy.infer(obs)
 
     serve(Server(), host="127.0.0.1", port=port)
 
@@ -94,20 +102,21 @@ def by_openbench(agent: str, size: str) -> list[float]:
     with tempfile.TemporaryDirectory() as folder:
         suite, out = Path(folder) / "suite.toml", Path(folder) / "run"
         suite.write_text(SUITE)
-        words = [str(BINARY), "run", str(suite), "--agent", agent, "--set", f"size={size}"]
-        words += ["--out", str(out), "--record", "none"]
+        words = [str(BINARY), "run", str(suite), "--agent", agent, "--out", str(out)]
+        words += ["--set", f"size={size}", "--set", "arrival=policy", "--record", "none"]
         subprocess.run(words, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         text = (out / "episodes" / "000.models.jsonl").read_text()
     lines = [json.loads(line) for line in text.splitlines()]
-    answers = [line for line in lines if "answer" in line["outcome"]]
+    answers = [line for line in lines if "answer" in line["outcome"]][:QUESTIONS]
+    assert len(answers) == QUESTIONS
     for line in answers:
         steps = line["outcome"]["answer"]["velocities"]["steps"]
         got = [[s["velocity"]["linear"], s["velocity"]["angular"]] for s in steps]
-        assert np.array_equal(np.array(got, np.float32), ACTIONS), got
+        assert np.array_equal(np.array(got, np.float32), CIRCLE[:, :2]), got
     return [line["took_us"] / 1e3 for line in answers]
 
 
-def by_openpi(port: int, shape: tuple[int, int, int], count: int) -> list[float]:
+def by_openpi(port: int, shape: tuple[int, int, int]) -> list[float]:
     from openpi_client.websocket_client_policy import WebsocketClientPolicy
 
     client = WebsocketClientPolicy("127.0.0.1", port)
@@ -118,12 +127,16 @@ def by_openpi(port: int, shape: tuple[int, int, int], count: int) -> list[float]
         "prompt": "drive to the goal",
     }
     times = []
-    for _ in range(count):
+    for _ in range(QUESTIONS + 1):
+        # As long as the benchmark simulates and renders between two questions: a server that just
+        # answered is faster.
+        time.sleep(0.03)
         began = time.perf_counter()
         answer = client.infer(observation)
         times.append(1e3 * (time.perf_counter() - began))
-        assert np.array_equal(answer["actions"], ACTIONS)
-    return times
+        expected = CIRCLE if len(times) <= QUESTIONS else DELIVERED
+        assert np.array_equal(answer["actions"], expected)
+    return times[:QUESTIONS]
 
 
 def main() -> None:
@@ -140,7 +153,7 @@ def main() -> None:
         for size, shape in (("224", (224, 224, 3)), ("camera", (480, 640, 3))):
             ours = by_openbench(f"openpi:ws://127.0.0.1:{server.port}", size)
             row("openpi", "openbench", size, ours)
-            row("openpi", "its own", size, by_openpi(server.port, shape, len(ours)))
+            row("openpi", "its own", size, by_openpi(server.port, shape))
     with Running("vla-eval") as server:
         for size in ("224", "camera"):
             ours = by_openbench(f"vla-eval:ws://127.0.0.1:{server.port}", size)

@@ -1,4 +1,4 @@
-"""Trains a policy for a short point goal with PPO by stable-baselines3: ppo.py SEED FOLDER [STEPS]
+"""Trains a policy for a short point goal with PPO (stable-baselines3): ppo.py SEED FOLDER [MINUTES]
 
 The robot begins 1.5 to 6 m from a door, at any heading, sees a coarse image of distances, the
 speeds of its wheels and where the door is, and has 60 s. Writes the returns and rates of success of
@@ -23,7 +23,7 @@ import openbench.envs
 from openbench.stable_baselines import DeliveryVecEnv
 
 ENVIRONMENTS = 16
-STEPS = 200_000
+MINUTES = 15.0
 #: Episodes over which a row of the curve is a mean.
 WINDOW = 100
 
@@ -31,9 +31,10 @@ WINDOW = 100
 class Curve(BaseCallback):
     """Writes a row for each hundred episodes."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, minutes: float) -> None:
         super().__init__()
         self.path = path
+        self.seconds = 60.0 * minutes
         self.rows: list[dict[str, Any]] = []
         self.episodes: list[tuple[float, bool]] = []
         self.began = time.monotonic()
@@ -57,12 +58,12 @@ class Curve(BaseCallback):
                 writer = csv.DictWriter(file, fieldnames=list(row))
                 writer.writeheader()
                 writer.writerows(self.rows)
-        return True
+        return time.monotonic() - self.began < self.seconds
 
 
 def main() -> None:
     seed, folder = int(sys.argv[1]), Path(sys.argv[2])
-    steps = int(sys.argv[3]) if len(sys.argv) > 3 else STEPS
+    minutes = float(sys.argv[3]) if len(sys.argv) > 3 else MINUTES
     folder.mkdir(parents=True, exist_ok=True)
     # The other core simulates.
     torch.set_num_threads(1)
@@ -73,15 +74,15 @@ def main() -> None:
         "MultiInputPolicy",
         env,
         seed=seed,
-        n_steps=128,
-        batch_size=512,
+        n_steps=64,
+        batch_size=128,
         n_epochs=10,
         gamma=0.99,
-        learning_rate=5e-4,
-        ent_coef=0.0,
+        learning_rate=3e-4,
         policy_kwargs={"net_arch": [64, 64]},
     )
-    model.learn(steps, callback=Curve(folder / f"seed-{seed}.csv"))
+    # The callback ends it.
+    model.learn(10**9, callback=Curve(folder / f"seed-{seed}.csv", minutes))
     model.save(folder / f"seed-{seed}.zip")
 
 

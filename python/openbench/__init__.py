@@ -1,7 +1,13 @@
 """Benchmark and baseline of delivery robots that find the right front door."""
 
 from openbench import _openbench
-from openbench._openbench import InputError, OpenBenchError, ProtocolError, __version__
+from openbench._openbench import (
+    InputError,
+    OpenBenchError,
+    PlanningError,
+    ProtocolError,
+    __version__,
+)
 from openbench.agent import (
     Action,
     Address,
@@ -15,6 +21,7 @@ from openbench.agent import (
 )
 from openbench.evaluation import evaluate
 from openbench.registration import make, register_environments
+from openbench.results import deliveries, to_pandas, to_polars
 
 __all__ = [
     "Action",
@@ -27,11 +34,15 @@ __all__ = [
     "InputError",
     "Observation",
     "OpenBenchError",
+    "PlanningError",
     "ProtocolError",
     "Scan",
     "__version__",
+    "deliveries",
     "evaluate",
     "make",
+    "to_pandas",
+    "to_polars",
 ]
 
 _openbench.set_module(_openbench.__file__)

@@ -8,10 +8,17 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
+    "Costmap",
     "EnvironmentOptions",
     "Environments",
+    "Estimate",
     "InputError",
+    "LocalPlanner",
+    "Map",
+    "Obstacle",
+    "Odometry",
     "OpenBenchError",
+    "PlanningError",
     "PolicyEnd",
     "ProtocolError",
     "Run",
@@ -24,6 +31,7 @@ __version__: str
 
 class OpenBenchError(Exception): ...
 class InputError(OpenBenchError): ...
+class PlanningError(OpenBenchError): ...
 class ProtocolError(OpenBenchError): ...
 
 def main(arguments: Sequence[str]) -> int: ...
@@ -113,3 +121,104 @@ class Environments:
     def map(self) -> bytes: ...
     def picture(self, index: int) -> npt.NDArray[np.uint8] | None: ...
     def privileged(self, index: int) -> tuple[list[float], float | None] | None: ...
+
+@final
+class Map:
+    def __new__(cls, data: bytes, georeference: str | None = None) -> Map: ...
+    @staticmethod
+    def read(path: str | PathLike[str], georeference: str | None = None) -> Map: ...
+    @property
+    def georeference(self) -> str: ...
+    def buildings(self) -> list[tuple[str | None, npt.NDArray[np.float64]]]: ...
+    def locate(self, building: str, unit: str | None = None) -> tuple[float, float] | None: ...
+    def to_map(self, lonlat: npt.ArrayLike) -> npt.NDArray[np.float64]: ...
+    def to_lonlat(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]: ...
+    def route(self, start: tuple[float, float], goal: tuple[float, float]) -> Any: ...
+    def plan(self, instruction: str, start: tuple[float, float]) -> str: ...
+
+@final
+class Costmap:
+    def __new__(
+        cls, map: Map, low: tuple[float, float], high: tuple[float, float]
+    ) -> Costmap: ...
+    @property
+    def cell(self) -> float: ...
+    @property
+    def origin(self) -> tuple[float, float]: ...
+    def observe(self, points: npt.ArrayLike, sensor: tuple[float, float, float]) -> None: ...
+    def costs(self) -> npt.NDArray[np.float32]: ...
+    def plan(
+        self, start: tuple[float, float], goal: tuple[float, float]
+    ) -> npt.NDArray[np.float64]: ...
+
+@final
+class Obstacle:
+    """What a robot must not touch: convex, perhaps with rounded corners, perhaps moving."""
+
+    def __new__(
+        cls,
+        corners: npt.ArrayLike,
+        rounding: float = 0.0,
+        velocity: tuple[float, float] | None = None,
+    ) -> Obstacle: ...
+
+@final
+class LocalPlanner:
+    def __new__(cls, name: str = "teb", seed: int = 1) -> LocalPlanner: ...
+    def plan(
+        self,
+        time: float,
+        pose: tuple[float, float, float],
+        velocity: tuple[float, float],
+        path: npt.ArrayLike,
+        obstacles: Sequence[Obstacle],
+        final_yaw: float | None = None,
+    ) -> tuple[float, float] | None: ...
+    def reset(self) -> None: ...
+
+@final
+class Odometry:
+    """LiDAR-inertial odometry: how a body has moved since the start."""
+
+    def __new__(
+        cls,
+        imu: npt.ArrayLike | None = None,
+        lidar: npt.ArrayLike | None = None,
+        *,
+        gyro_noise: float | None = None,
+        accel_noise: float | None = None,
+        range_noise: float | None = None,
+        angle_noise: float | None = None,
+        typical_speed: float | None = None,
+        min_range: float | None = None,
+    ) -> Odometry: ...
+    def imu(
+        self, stamps: npt.ArrayLike, gyro: npt.ArrayLike, accel: npt.ArrayLike
+    ) -> list[Estimate]: ...
+    def scan(
+        self, stamp: int, points: npt.ArrayLike, offsets: npt.ArrayLike
+    ) -> list[Estimate]: ...
+    def speed(
+        self,
+        stamp: int,
+        velocity: Sequence[float],
+        deviation: Sequence[float],
+        turn: float,
+    ) -> None: ...
+
+@final
+class Estimate:
+    """Where a body was at the end of a scan."""
+
+    @property
+    def stamp(self) -> int: ...
+    @property
+    def pose(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def velocity(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def covariance(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def status(self) -> str: ...
+    @property
+    def points(self) -> int: ...

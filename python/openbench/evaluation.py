@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 import os
 import threading
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, overload
 
 from openbench._openbench import PolicyEnd, Run
 from openbench._serving import serve
 from openbench.agent import Agent
 
 
+@overload
 def evaluate(
     agent: Callable[[], Agent],
     suite: str = "small",
@@ -21,19 +23,64 @@ def evaluate(
     jobs: int = 1,
     timeout: float = 60.0,
     out: str | os.PathLike[str] | None = None,
-) -> dict[str, Any]:
+) -> dict[str, Any]: ...
+
+
+@overload
+def evaluate(
+    agent: Callable[[], Agent],
+    suite: str = "small",
+    *,
+    seeds: Iterable[int],
+    jobs: int = 1,
+    timeout: float = 60.0,
+    out: str | os.PathLike[str] | None = None,
+) -> dict[int, dict[str, Any]]: ...
+
+
+def evaluate(
+    agent: Callable[[], Agent],
+    suite: str = "small",
+    *,
+    seed: int = 0,
+    seeds: Iterable[int] | None = None,
+    jobs: int = 1,
+    timeout: float = 60.0,
+    out: str | os.PathLike[str] | None = None,
+) -> dict[str, Any] | dict[int, dict[str, Any]]:
     """Runs a suite with an agent and returns the content of `results.json`.
 
     agent: a class, or anything that makes an agent; each episode gets its own.
     suite: a built-in suite, a suite file, or the folder of a world.
+    seed: seed of all random draws.
+    seeds: several of them, one run each; returns the results of each seed by its number.
     jobs: how many episodes run in parallel; results do not depend on it.
     timeout: how long an action may take, seconds.
-    out: a folder for results, report and recordings, which is replaced; `None` writes nothing.
+    out: a folder for results, report and recordings, which is replaced; each of several seeds gets
+        a folder `seed-N` in it. `None` writes nothing.
 
     An exception of the agent ends the run and is raised.
     """
     name = getattr(agent, "__name__", type(agent).__name__)
     run = Run(suite, f"python:{name}")
+    if seeds is None:
+        return _drive(run, agent, seed, jobs, timeout, out)
+    folders = {number: None if out is None else Path(out) / f"seed-{number}" for number in seeds}
+    return {
+        number: _drive(run, agent, number, jobs, timeout, folder)
+        for number, folder in folders.items()
+    }
+
+
+def _drive(
+    run: Run,
+    agent: Callable[[], Agent],
+    seed: int,
+    jobs: int,
+    timeout: float,
+    out: str | os.PathLike[str] | None,
+) -> dict[str, Any]:
+    """The results of one seed."""
     errors: list[BaseException] = []
 
     def failed(error: BaseException) -> None:

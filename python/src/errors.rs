@@ -21,6 +21,12 @@ create_exception!(
 );
 create_exception!(
     _openbench,
+    PlanningError,
+    OpenBenchError,
+    "No plan, no route, no path, or no way on."
+);
+create_exception!(
+    _openbench,
     ProtocolError,
     OpenBenchError,
     "Benchmark and policy do not understand each other."
@@ -31,6 +37,7 @@ pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     module.add("OpenBenchError", py.get_type::<OpenBenchError>())?;
     module.add("InputError", py.get_type::<InputError>())?;
+    module.add("PlanningError", py.get_type::<PlanningError>())?;
     module.add("ProtocolError", py.get_type::<ProtocolError>())
 }
 

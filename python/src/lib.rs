@@ -5,11 +5,13 @@
 //! | `policy` | `PolicyEnd`: the end of a connection at which a policy in Python sits |
 //! | `evaluation` | runs suites with policies of this process |
 //! | `environment` | environments for learners |
+//! | `parts` | maps, costmaps, planners and odometry |
 //! | `errors` | exceptions by kind |
 
 mod environment;
 mod errors;
 mod evaluation;
+mod parts;
 mod policy;
 
 use std::ffi::OsString;
@@ -38,5 +40,6 @@ fn _openbench(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<evaluation::Run>()?;
     module.add_class::<environment::PyOptions>()?;
     module.add_class::<environment::PyEnvironments>()?;
+    parts::add(module)?;
     errors::add(module)
 }

@@ -26,7 +26,7 @@ pub const SETTINGS: [Setting; 11] = [
         key: "actions",
         default: "velocity",
         values: "velocity, waypoints or trajectory",
-        about: "what an answer is: m/s and rad/s (and, above 0.5, that the parcel is delivered), or points",
+        about: "rows of an answer: m/s, rad/s[, above 0.5: delivered], or points x, y",
     },
     Setting {
         key: "period",

@@ -108,7 +108,7 @@ fn is_possible(point: &MapPoint) -> bool {
 }
 
 /// Turns a path into velocities, one call for each observation.
-pub trait LocalPlanner {
+pub trait LocalPlanner: Send {
     /// The velocity to drive with now.
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked>;
 

@@ -1,7 +1,6 @@
 //! A drive of a local planner through a scene, with ideal wheels.
 
-use std::cell::RefCell;
-use std::rc::Rc;
+use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
@@ -99,7 +98,8 @@ impl Guide for SceneGuide<'_> {
 /// A planner that measures the CPU time of its decisions.
 struct Timed {
     planner: Box<dyn LocalPlanner>,
-    cycles: Rc<RefCell<Vec<f64>>>,
+    /// Receives milliseconds.
+    cycles: Sender<f64>,
 }
 
 impl LocalPlanner for Timed {
@@ -107,9 +107,8 @@ impl LocalPlanner for Timed {
         // CPU time of this thread: other scenes are driven on other threads at the same time.
         let began = ThreadTime::now();
         let decided = self.planner.plan(situation);
-        self.cycles
-            .borrow_mut()
-            .push(began.elapsed().as_secs_f64() * 1e3);
+        // The drive, which receives them, may be over.
+        let _ = self.cycles.send(began.elapsed().as_secs_f64() * 1e3);
         decided
     }
 
@@ -148,13 +147,13 @@ pub fn drive(
     planner: Box<dyn LocalPlanner>,
 ) -> Result<Drive, NavigatorError> {
     let (footprint, limits) = (Footprint::of(robot)?, Limits::of(robot)?);
-    // Shared, since the navigator owns the planner, and the times are read after the drive.
-    let cycles = Rc::new(RefCell::new(Vec::new()));
+    // The navigator owns the planner, and the times are read after the drive.
+    let (timing, cycles) = channel();
     let mut navigator = Navigator::new(
         robot,
         Box::new(Timed {
             planner,
-            cycles: Rc::clone(&cycles),
+            cycles: timing,
         }),
     )?;
     navigator.set_goal(scene.goal.point(), Some(scene.goal.yaw));
@@ -237,7 +236,7 @@ pub fn drive(
         .iter()
         .filter(|recovery| recovery.step != Step::Slow)
         .count();
-    drive.cycles = cycles.take();
+    drive.cycles = cycles.try_iter().collect();
     Ok(drive)
 }
 
