@@ -85,6 +85,7 @@ class EnvironmentOptions:
         goal: str,
         start: tuple[float, float] | None,
         steps: int,
+        actions: str,
         arrival: float | None,
         rewards: Mapping[str, float],
         range_image: tuple[int, int],

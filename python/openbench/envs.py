@@ -25,6 +25,8 @@ Observations = dict[str, Any]
 
 #: Limits of the robot: forward and backward, m/s, and turning, rad/s.
 FORWARD, BACKWARD, TURN = 0.5, 0.2, 1.0
+#: Farthest waypoint along each axis, metres.
+REACH = 5.0
 #: Range of the LiDAR, metres.
 RANGE = 50.0
 #: Samples of the IMU in a step of 50 ms.
@@ -41,6 +43,7 @@ class Settings:
         goal: str = "instruction",
         start: tuple[float, float] | None = None,
         steps: int = 1,
+        actions: str = "velocity",
         arrival: float | None = None,
         rewards: dict[str, float] | None = None,
         range_image: tuple[int, int] = (8, 120),
@@ -51,6 +54,7 @@ class Settings:
         self.observations = tuple(observations)
         self.goal = goal
         self.steps = steps
+        self.kind = actions
         self.arrival = arrival
         self.range_image = range_image
         self.privileged = privileged
@@ -59,6 +63,7 @@ class Settings:
             goal=goal,
             start=start,
             steps=steps,
+            actions=actions,
             arrival=arrival,
             rewards=rewards or {},
             range_image=range_image,
@@ -89,8 +94,12 @@ class Settings:
         return spaces.Dict(space)
 
     def action_space(self) -> spaces.Box:
-        """The space of one action: linear, m/s, angular, rad/s, and whether to declare."""
-        low, high = [-BACKWARD, -TURN], [FORWARD, TURN]
+        """The space of one action: linear, m/s, angular, rad/s, or a waypoint, and whether to
+        declare."""
+        if self.kind == "waypoint":
+            low, high = [-REACH, -REACH], [REACH, REACH]
+        else:
+            low, high = [-BACKWARD, -TURN], [FORWARD, TURN]
         if self.arrival is None:
             low, high = [*low, 0.0], [*high, 1.0]
         return spaces.Box(np.array(low), np.array(high), dtype=np.float64)
@@ -232,6 +241,9 @@ class DeliveryEnv(gym.Env[Observations, Array]):
     goal: `instruction`, or `point`: the place before the door, seen from the estimated pose.
     start: least and largest way to the door at the beginning, m; `None` for the world's start.
     steps: how many steps of 50 ms an action lasts.
+    actions: `velocity`, or `waypoint`: metres ahead and to the left, to where the robot drives by
+        pure pursuit from where it takes itself to be; it needs `pose` or `goal` among the
+        observations.
     arrival: distance to the door at which the environment itself declares the delivery, m; the
         action is then two numbers. `None` leaves it to the policy.
     rewards: weights of `progress` (per metre), `success`, `failure`, `contact` and `time` (per

@@ -10,8 +10,8 @@ use openbench_bench::suite::GoalKind;
 use openbench_bench::worlds::suite_named;
 use openbench_core::{Goal, Health};
 use openbench_environment::{
-    AfterEnd, Beginning, Declaration, Environment, Environments, Observation, Observe, Options,
-    PoseSource, RangeImage, ResettingStep, Rewards, StartDistance, World,
+    Actions, AfterEnd, Beginning, Declaration, Environment, Environments, Observation, Observe,
+    Options, PoseSource, RangeImage, ResettingStep, Rewards, StartDistance, World,
 };
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -34,7 +34,8 @@ pub struct PyOptions {
 impl PyOptions {
     #[new]
     #[pyo3(signature = (
-        *, observations, goal, start, steps, arrival, rewards, range_image, pose, time_limit
+        *, observations, goal, start, steps, actions, arrival, rewards, range_image, pose,
+        time_limit
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
@@ -42,6 +43,7 @@ impl PyOptions {
         goal: &str,
         start: Option<(f64, f64)>,
         steps: u32,
+        actions: &str,
         arrival: Option<f64>,
         rewards: BTreeMap<String, f64>,
         range_image: (usize, usize),
@@ -59,6 +61,11 @@ impl PyOptions {
             },
             start: start.map(|(least, largest)| StartDistance { least, largest }),
             steps_per_action: steps,
+            actions: match actions {
+                "velocity" => Actions::Velocity,
+                "waypoint" => Actions::Waypoint,
+                _ => return Err(refused("actions", actions, "velocity, waypoint")),
+            },
             declaration: arrival.map_or(Declaration::Policy, Declaration::Arrival),
             rewards: weights(&rewards)?,
             time_limit_s: time_limit,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import threading
 import warnings
@@ -220,3 +221,16 @@ def test_a_picture_can_be_rendered() -> None:
     assert picture is not None
     assert picture.shape == (480, 640, 3) and picture.dtype == np.uint8
     assert picture.std() > 5
+
+
+def test_a_waypoint_is_driven_to() -> None:
+    env = DeliveryEnv("small", actions="waypoint", observations=("pose",), steps=60)
+    assert env.action_space.shape == (3,)
+    before = env.reset(seed=3)[0]["pose"]
+    after = env.step(np.array([0.4, 0.0, 0.0]))[0]["pose"]
+    assert abs(math.dist(before[:2], after[:2]) - 0.4) < 0.15
+    env.close()
+    with pytest.raises(openbench.InputError, match="pose"):
+        openbench.make("small", actions="waypoint")
+    with pytest.raises(openbench.InputError, match="velocity, waypoint"):
+        openbench.make("small", actions="joints")

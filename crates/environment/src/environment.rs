@@ -19,6 +19,7 @@ use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
 use crate::beginning;
+use crate::course::Tracker;
 use crate::error::EnvironmentError;
 use crate::observation::{self, IMU_SAMPLES, Observation};
 use crate::options::{Declaration, Options, PoseSource};
@@ -70,6 +71,7 @@ struct Running {
     number: usize,
     episode: PreparedEpisode,
     sensed: Sensed,
+    tracker: Tracker,
     field: Option<Arc<WayField>>,
     /// Length of the way that was left after the last step, metres.
     left_m: Option<f64>,
@@ -140,8 +142,8 @@ impl Environment {
         Ok(observation)
     }
 
-    /// Does what an action says: linear velocity, m/s, angular velocity, rad/s, and, above 0.5,
-    /// that the parcel is delivered here and now, to the address that is open.
+    /// Does what an action says: two numbers as [`Actions`](crate::Actions) has them, and, above
+    /// 0.5, that the parcel is delivered here and now, to the address that is open.
     ///
     /// # Errors
     /// [`EnvironmentError::Action`] of a number that is not finite, or
@@ -222,11 +224,13 @@ impl Environment {
         }
         let rollout = Rollout::of(prepared, episode.clone(), self.random.random())?;
         let sensed = Sensed::new(&self.options, rollout.briefing());
+        let tracker = Tracker::new(self.options.actions, &rollout.briefing().robot)?;
         let mut running = Running {
             rollout,
             number,
             episode,
             sensed,
+            tracker,
             field: None,
             left_m: None,
             contact_s: 0.0,
@@ -259,17 +263,23 @@ impl Running {
     }
 
     fn act(&mut self, action: [f64; 3], options: &Options) {
-        let [linear, angular, declares] = action;
+        let [first, second, declares] = action;
         let by_policy = options.declaration == Declaration::Policy && declares > 0.5;
         if by_policy {
             self.declare(options);
         } else {
+            // Lent out, since each step changes the rest.
+            let mut tracker = std::mem::take(&mut self.tracker);
+            let mut course = tracker.course([first, second], self.sensed.pose());
             for _ in 0..options.steps_per_action {
-                self.advance(Action::Drive(Velocity::new(linear, angular)), options);
+                let now = self.rollout.observation().time;
+                let velocity = course.velocity(now, self.sensed.pose());
+                self.advance(Action::Drive(velocity), options);
                 if self.rollout.status() == Status::Ended {
                     break;
                 }
             }
+            self.tracker = tracker;
             if self.has_arrived(options.declaration) {
                 self.declare(options);
             }
@@ -479,6 +489,11 @@ impl Sensed {
         {
             self.image = Some(image);
         }
+    }
+
+    /// Where the robot takes itself to be.
+    fn pose(&self) -> Option<Pose2> {
+        self.localizer.as_ref().map(|localizer| localizer.pose())
     }
 
     fn estimate(&self) -> Option<PoseEstimate> {

@@ -9,11 +9,13 @@
 //! | `many` | [`Environments`]: several on several threads |
 //! | `observation` | [`Observation`]: what a policy gets, as arrays |
 //! | `range_image` | a scan as an image of distances |
+//! | `course` | what the robot drives during an action |
 //! | `beginning` | where episodes of training begin |
 //! | `progress` | [`WayField`](progress::WayField): how far it is from anywhere to a door |
 //! | `error` | [`EnvironmentError`] |
 
 mod beginning;
+mod course;
 mod environment;
 mod error;
 mod many;
@@ -27,5 +29,7 @@ pub use environment::{Environment, Outcome, Step};
 pub use error::EnvironmentError;
 pub use many::{AfterEnd, Beginning, Environments, ResettingStep};
 pub use observation::Observation;
-pub use options::{Declaration, Observe, Options, PoseSource, RangeImage, Rewards, StartDistance};
+pub use options::{
+    Actions, Declaration, Observe, Options, PoseSource, RangeImage, Rewards, StartDistance,
+};
 pub use world::World;

@@ -42,6 +42,8 @@ pub struct Options {
     pub start: Option<StartDistance>,
     /// Steps of 50 ms that an action lasts.
     pub steps_per_action: u32,
+    /// What the first two numbers of an action are.
+    pub actions: Actions,
     /// Who declares a delivery.
     pub declaration: Declaration,
     /// What is rewarded.
@@ -76,6 +78,9 @@ impl Options {
                 "start",
                 "write two distances in ascending order, at most 1000 m",
             );
+        }
+        if self.actions == Actions::Waypoint && self.observe.pose.is_none() {
+            return refuse("actions", "waypoints need an observed pose");
         }
         if let Declaration::Arrival(radius) = self.declaration
             && !(radius > 0.0 && radius <= 2.0)
@@ -117,6 +122,7 @@ impl Default for Options {
             goal: GoalKind::Instruction,
             start: None,
             steps_per_action: 1,
+            actions: Actions::Velocity,
             declaration: Declaration::Policy,
             rewards: Rewards::default(),
             time_limit_s: None,
@@ -175,6 +181,16 @@ pub struct StartDistance {
     pub least: f64,
     /// Largest.
     pub largest: f64,
+}
+
+/// What the first two numbers of an action are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Actions {
+    /// Linear velocity, m/s, and angular velocity, rad/s.
+    Velocity,
+    /// A point in `base_link`, metres ahead and to the left, which the robot drives to by pure
+    /// pursuit, from where it takes itself to be. It waits there for the end of the action.
+    Waypoint,
 }
 
 /// Who declares a delivery.

@@ -4,7 +4,7 @@ use openbench_bench::suite::GoalKind;
 use openbench_bench::worlds::suite_named;
 use openbench_core::{FailureCause, MapPoint, Pose2, frames::wrap_angle};
 use openbench_environment::{
-    Declaration, Environment, EnvironmentError, Observe, Options, PoseSource, RangeImage,
+    Actions, Declaration, Environment, EnvironmentError, Observe, Options, PoseSource, RangeImage,
     StartDistance, Step, World,
 };
 
@@ -157,6 +157,25 @@ fn a_robot_that_arrives_has_delivered_where_the_environment_declares() {
         }
     }
     panic!("it never arrived");
+}
+
+#[test]
+fn a_waypoint_is_driven_to_within_an_action() {
+    let mut options = point_goal();
+    options.actions = Actions::Waypoint;
+    options.steps_per_action = 60;
+    let mut environment = environment(options);
+    let begun = environment.reset(Some(1), Some(0)).unwrap();
+    let (before, _) = environment.privileged().unwrap();
+    let step = environment.step([0.3, 0.1, 0.0]).unwrap();
+    let (after, _) = environment.privileged().unwrap();
+    // It stops within 5 cm of where its wheels say that the waypoint is, and rolls on for as much.
+    let wanted = before.transform(0.3, 0.1);
+    assert!(
+        after.point().distance(wanted) < 0.2,
+        "{after:?} for {wanted:?}"
+    );
+    assert_ne!(step.observation.goal, begun.goal);
 }
 
 #[test]
