@@ -199,7 +199,9 @@ mod tests {
         let text = help(&Extensions::new(), &["run"]);
         for line in [
             "Agents (--agent NAME, by default open):\n",
-            "      fused                  LiDAR-inertial odometry and fixes in a pose graph\n",
+            "      fused                    LiDAR-inertial odometry and fixes in a pose graph\n",
+            "      openpi:ws://HOST:PORT    a policy server of openpi\n",
+            "  actions: velocity, waypoints or trajectory (default velocity)\n",
             "planner: grammar (default), MODEL\n",
             "reader: ppocr-v4 (default), MODEL\n",
             "localizer: fused (default), lidar-inertial, dead-reckoning\n",
