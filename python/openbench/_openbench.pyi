@@ -206,6 +206,8 @@ class Odometry:
         deviation: Sequence[float],
         turn: float,
     ) -> None: ...
+    @property
+    def refused(self) -> dict[str, int]: ...
 
 @final
 class Estimate:

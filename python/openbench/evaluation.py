@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 import threading
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, overload
 
-from openbench._openbench import PolicyEnd, Run
+from openbench._openbench import InputError, PolicyEnd, Run
 from openbench._serving import serve
 from openbench.agent import Agent
 
@@ -57,19 +58,35 @@ def evaluate(
     jobs: how many episodes run in parallel; results do not depend on it.
     timeout: how long an action may take, seconds.
     out: a folder for results, report and recordings, which is replaced; each of several seeds gets
-        a folder `seed-N` in it. `None` writes nothing.
+        a folder `seed-N` in it, beside which there must be no other runs. `None` writes nothing.
 
     An exception of the agent ends the run and is raised.
     """
+    if seeds is not None and seed != 0:
+        raise TypeError("write seed or seeds")
     name = getattr(agent, "__name__", type(agent).__name__)
     run = Run(suite, f"python:{name}")
     if seeds is None:
         return _drive(run, agent, seed, jobs, timeout, out)
-    folders = {number: None if out is None else Path(out) / f"seed-{number}" for number in seeds}
+    numbers = [operator.index(number) for number in seeds]
+    if any(number < 0 for number in numbers):
+        raise ValueError("seeds: numbers from 0")
+    if out is not None:
+        _refuse_other_runs(Path(out), numbers)
+    folders = {number: None if out is None else Path(out) / f"seed-{number}" for number in numbers}
     return {
         number: _drive(run, agent, number, jobs, timeout, folder)
         for number, folder in folders.items()
     }
+
+
+def _refuse_other_runs(out: Path, seeds: list[int]) -> None:
+    """Refuses a folder whose other runs would be taken for some of these seeds."""
+    ours = {f"seed-{seed}" for seed in seeds}
+    others = [path.name for path in out.glob("seed-*") if path.name not in ours]
+    if (out / "results.json").exists() or others:
+        found = ", ".join(sorted(others)) or "a single run"
+        raise InputError(f"{out} has {found}; choose another folder, or remove it")
 
 
 def _drive(

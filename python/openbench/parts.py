@@ -103,21 +103,18 @@ class Map:
         """Metres (n, 2) as degrees, longitude first."""
         return self.native.to_lonlat(points)
 
-    def route(self, start: tuple[float, float], goal: tuple[float, float]) -> Route:
+    def route(self, start: npt.ArrayLike, goal: npt.ArrayLike) -> Route:
         """The fastest route for a delivery robot."""
-        x, y = start
-        to_x, to_y = goal
-        route: Route = self.native.route((x, y), (to_x, to_y))
+        route: Route = self.native.route(_pair(start), _pair(goal))
         return route
 
     def plan(
-        self, instruction: str, start: tuple[float, float] = (0.0, 0.0)
+        self, instruction: str, start: npt.ArrayLike = (0.0, 0.0)
     ) -> list[dict[str, Any]]:
         """The deliveries of an instruction, in driving order from `start`, as the grammar
         understands it: the keys of `openbench plan --json`, `building`, `unit` and `problem` among
         them."""
-        x, y = start
-        plan = json.loads(self.native.plan(instruction, (x, y)))
+        plan = json.loads(self.native.plan(instruction, _pair(start)))
         deliveries: list[dict[str, Any]] = plan["deliveries"]
         return deliveries
 
@@ -125,10 +122,10 @@ class Map:
 class Costmap:
     """The ground of an area of a map, with the cost of driving over it."""
 
-    def __init__(self, map: Map, low: tuple[float, float], high: tuple[float, float]) -> None:
+    def __init__(self, map: Map, low: npt.ArrayLike, high: npt.ArrayLike) -> None:
         """The area between a south-western and a north-eastern corner, with the map's buildings,
         barriers and water, for the benchmark's robot."""
-        self.native = _Costmap(map.native, low, high)
+        self.native = _Costmap(map.native, _pair(low), _pair(high))
 
     @property
     def cell(self) -> float:
@@ -146,16 +143,16 @@ class Costmap:
         robot does not fit."""
         return self.native.costs()
 
-    def observe(self, points: npt.ArrayLike, sensor: tuple[float, float, float]) -> None:
+    def observe(self, points: npt.ArrayLike, sensor: npt.ArrayLike) -> None:
         """Takes in the points (n, 3) of a scan in `map`, z above the ground, measured from
         `sensor`. What it sees through becomes free."""
-        self.native.observe(points, sensor)
+        x, y, z = np.asarray(sensor, float)
+        rows = np.asarray(points, float).reshape(-1, 3)
+        self.native.observe(rows, (float(x), float(y), float(z)))
 
-    def plan(self, start: tuple[float, float], goal: npt.ArrayLike) -> Floats:
+    def plan(self, start: npt.ArrayLike, goal: npt.ArrayLike) -> Floats:
         """The cheapest path (n, 2), by A*."""
-        x, y = start
-        to_x, to_y = np.asarray(goal, float)
-        return self.native.plan((x, y), (float(to_x), float(to_y)))
+        return self.native.plan(_pair(start), _pair(goal))
 
 
 class LocalPlanner:
@@ -169,8 +166,8 @@ class LocalPlanner:
     def plan(
         self,
         time: float,
-        pose: tuple[float, float, float],
-        velocity: tuple[float, float],
+        pose: npt.ArrayLike,
+        velocity: npt.ArrayLike,
         path: npt.ArrayLike,
         obstacles: Sequence[Obstacle] = (),
         final_yaw: float | None = None,
@@ -182,8 +179,18 @@ class LocalPlanner:
         path: points (n, 2), which begin near the robot.
         final_yaw: heading at the end; any if `None`.
         """
-        return self.native.plan(time, pose, velocity, path, list(obstacles), final_yaw)
+        x, y, yaw = np.asarray(pose, float)
+        here = (float(x), float(y), float(yaw))
+        points = np.asarray(path, float).reshape(-1, 2)
+        return self.native.plan(
+            time, here, _pair(velocity), points, list(obstacles), final_yaw
+        )
 
     def reset(self) -> None:
         """Forgets what was planned before: the next path is unrelated to the last."""
         self.native.reset()
+
+
+def _pair(numbers: npt.ArrayLike) -> tuple[float, float]:
+    first, second = np.asarray(numbers, float)
+    return float(first), float(second)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 
 import numpy as np
 import pytest
@@ -143,3 +144,32 @@ def test_what_cannot_be_used_is_an_exception(town: Map) -> None:
         Odometry().imu([0, 1], np.zeros((1, 3)), np.zeros((2, 3)))
     with pytest.raises(ValueError, match="offsets"):
         Odometry().scan(0, np.zeros((2, 3)), [0])
+    with pytest.raises(ValueError, match="stamps: write integers, nanoseconds"):
+        Odometry().imu([0.0, 0.5], np.zeros((2, 3)), np.zeros((2, 3)))
+    with pytest.raises(ValueError, match="negative"):
+        Odometry().imu([-1], np.zeros((1, 3)), np.zeros((1, 3)))
+    with pytest.raises(openbench.PlanningError, match="no path"):
+        LocalPlanner().plan(0.0, np.zeros(3), np.zeros(2), [])
+
+
+def test_two_threads_share_a_costmap_and_an_odometry(town: Map) -> None:
+    costmap, odometry = Costmap(town, (-20.0, -20.0), (30.0, 30.0)), Odometry()
+    errors: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            for _ in range(20):
+                costmap.observe(np.zeros((0, 3)), (0.0, -10.0, 0.3))
+                costmap.plan((-5.0, -5.0), (-8.0, 5.0))
+                odometry.imu([0], np.zeros((1, 3)), [[0.0, 0.0, 9.81]])
+        except BaseException as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=work) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not errors
+    # All but the first were not later than the last.
+    assert odometry.refused["imu"] == 39

@@ -47,3 +47,21 @@ def test_frames_have_a_row_for_each_delivery() -> None:
     assert list(pandas_frame["seed"]) == [0, 0, 1, 1]
     polars_frame = openbench.to_polars(runs)
     assert polars_frame["failure"].to_list() == [None, None, "stuck", "stuck"]
+
+
+class Nothing:
+    def begin(self, briefing: openbench.Briefing) -> None: ...
+
+    def act(self, observation: openbench.Observation) -> openbench.Action:
+        return openbench.GiveUp("nothing")
+
+
+def test_several_seeds_do_not_mix_with_other_runs(tmp_path: Path) -> None:
+    (tmp_path / "seed-7").mkdir()
+    with pytest.raises(openbench.InputError, match="seed-7"):
+        openbench.evaluate(Nothing, "small", seeds=range(2), out=tmp_path)
+    with pytest.raises(ValueError, match="seeds"):
+        openbench.evaluate(Nothing, "small", seeds=[0, -1])
+    runs = openbench.evaluate(Nothing, "small", seeds=[7], out=tmp_path)
+    assert list(runs) == [7] and runs[7]["seed"] == 7
+    assert {row["seed"] for row in openbench.deliveries(tmp_path)} == {7}

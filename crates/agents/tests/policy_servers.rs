@@ -13,7 +13,8 @@ use openbench_agents::remote::Patience;
 use openbench_agents::served::arrays::{Keys, entry, from_bytes, text, to_bytes};
 use openbench_agents::served::depth::DepthImage;
 use openbench_agents::served::{
-    Answer, Episode, NavDp, OpenPi, Question, Server, ServerError, Settings, Turns, VlaEval,
+    Answer, Episode, NAVDP, NavDp, OPENPI, OpenPi, Protocol, Question, Server, ServerError,
+    Settings, Turns, VLA_EVAL, VlaEval,
 };
 use openbench_core::{Image, MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 use rmpv::Value;
@@ -44,11 +45,13 @@ fn serve(
 }
 
 fn settings(act: Duration) -> Settings {
-    let mut settings = Settings::parse(&Default::default()).unwrap();
-    settings.patience = Patience {
-        begin: PATIENCE,
-        act,
-    };
+    settings_of(&OPENPI, act)
+}
+
+fn settings_of(protocol: &Protocol, act: Duration) -> Settings {
+    let mut settings = Settings::of(protocol, &Default::default()).unwrap();
+    // The first question has the longer time of both.
+    settings.patience = Patience { begin: act, act };
     settings
 }
 
@@ -121,7 +124,7 @@ fn ask_openpi(play: Play, act: Duration) -> Result<Answer, ServerError> {
 /// Asks a vla-eval server once.
 fn ask_vla_eval(play: Play) -> Result<Answer, ServerError> {
     let (address, thread) = serve(play);
-    let mut server = VlaEval::new(&address, settings(PATIENCE)).unwrap();
+    let mut server = VlaEval::new(&address, settings_of(&VLA_EVAL, PATIENCE)).unwrap();
     let begun = server.begin(&episode(false));
     let answer = begun.and_then(|()| server.ask(&question()));
     server.end();
@@ -203,16 +206,16 @@ fn what_an_openpi_server_does_wrong_has_a_name() {
                 say(socket, &map([("actions", zeros)]));
             },
             PATIENCE,
-            "longer than 16 MiB or 4096 rows",
+            "longer than 4 MiB or 4096 rows",
         ),
         (
             |socket| {
-                let huge = Message::binary(vec![0; (16 << 20) + 1]);
+                let huge = Message::binary(vec![0; (4 << 20) + 1]);
                 // The client hangs up before it is through.
                 let _ = socket.send(huge);
             },
             PATIENCE,
-            "longer than 16 MiB",
+            "longer than 4 MiB",
         ),
     ];
     for (play, act, expected) in cases {
@@ -386,7 +389,7 @@ fn ok(body: &str) -> String {
 fn a_navdp_server_gets_the_goal_from_the_camera_and_answers_from_it() {
     let trajectory = r#"{"trajectory": [[[0.25, 0.0, 0.0], [0.5, 0.1, 0.0]]]}"#;
     let (address, thread) = http(vec![ok(r#"{"algo": "navdp"}"#), ok(trajectory)]);
-    let mut server = NavDp::new(&address, settings(PATIENCE), Turns::default()).unwrap();
+    let mut server = NavDp::new(&address, settings_of(&NAVDP, PATIENCE), Turns::default()).unwrap();
     server.begin(&episode(true)).unwrap();
     let answer = server.ask(&question()).unwrap();
     // The camera is 15 cm before `base_link`.
@@ -416,6 +419,23 @@ fn a_navdp_server_gets_the_goal_from_the_camera_and_answers_from_it() {
 }
 
 #[test]
+fn a_navdp_server_that_answers_to_stay_lets_the_robot_stand() {
+    let trajectory = r#"{"trajectory": [[[0.0, 0.0, 0.0], [0.01, -0.01, 0.0]]]}"#;
+    let (address, thread) = http(vec![ok("{}"), ok(trajectory)]);
+    let base = format!("{address}/policy");
+    let mut server = NavDp::new(&base, settings_of(&NAVDP, PATIENCE), Turns::default()).unwrap();
+    server.begin(&episode(true)).unwrap();
+    let answer = server.ask(&question()).unwrap();
+    let stands = Answer::Path {
+        points: Vec::new(),
+        lasts_s: None,
+    };
+    assert_eq!(answer, stands);
+    let requests = thread.join().unwrap();
+    assert!(requests[1].starts_with("POST /policy/pointgoal_step "));
+}
+
+#[test]
 fn what_a_navdp_server_does_wrong_has_a_name() {
     let failure = "HTTP/1.1 500 Internal Server Error\r\ncontent-length: 9\r\n\
                    connection: close\r\n\r\n<b>no</b>";
@@ -428,7 +448,8 @@ fn what_a_navdp_server_does_wrong_has_a_name() {
         (String::new(), "no policy server can be reached"),
     ] {
         let (address, thread) = http(vec![ok("{}"), answer]);
-        let mut server = NavDp::new(&address, settings(PATIENCE), Turns::default()).unwrap();
+        let mut server =
+            NavDp::new(&address, settings_of(&NAVDP, PATIENCE), Turns::default()).unwrap();
         server.begin(&episode(true)).unwrap();
         let error = server.ask(&question()).unwrap_err().to_string();
         assert!(error.contains(expected), "{error} instead of {expected}");
@@ -438,8 +459,12 @@ fn what_a_navdp_server_does_wrong_has_a_name() {
 
 #[test]
 fn a_navdp_server_takes_points_only() {
-    let mut server =
-        NavDp::new("http://127.0.0.1:9", settings(PATIENCE), Turns::default()).unwrap();
+    let mut server = NavDp::new(
+        "http://127.0.0.1:9",
+        settings_of(&NAVDP, PATIENCE),
+        Turns::default(),
+    )
+    .unwrap();
     let error = server.begin(&episode(false)).unwrap_err();
     assert!(matches!(error, ServerError::Goal { .. }), "{error}");
 }

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use openbench_agents::served::{
-    NavDp, OpenPi, Recorded, SETTINGS, Served, Server, ServerError, Settings, Turns, VlaEval,
+    NAVDP, NavDp, OPENPI, OpenPi, Protocol, Recorded, Served, Server, ServerError, Settings, Turns,
+    VLA_EVAL, VlaEval,
 };
 use openbench_bench::run::registry::{AgentError, AgentSettings};
 use openbench_bench::{AgentFactory, AgentRequest, Setting};
@@ -16,6 +17,7 @@ type MakeServer = dyn Fn(Settings) -> Result<Box<dyn Server>, ServerError> + Sen
 
 /// Agents with one server.
 struct ServedFactory {
+    protocol: Protocol,
     make: Box<MakeServer>,
 }
 
@@ -25,7 +27,9 @@ struct ServedFactory {
 /// What is no address.
 pub fn openpi(address: &str) -> Result<Arc<dyn AgentFactory>, AgentError> {
     let address = address.to_owned();
-    factory(move |settings| Ok(Box::new(OpenPi::new(&address, settings)?)))
+    factory(OPENPI, move |settings| {
+        Ok(Box::new(OpenPi::new(&address, settings)?))
+    })
 }
 
 /// The agents with a model server of vla-eval.
@@ -34,7 +38,9 @@ pub fn openpi(address: &str) -> Result<Arc<dyn AgentFactory>, AgentError> {
 /// What is no address.
 pub fn vla_eval(address: &str) -> Result<Arc<dyn AgentFactory>, AgentError> {
     let address = address.to_owned();
-    factory(move |settings| Ok(Box::new(VlaEval::new(&address, settings)?)))
+    factory(VLA_EVAL, move |settings| {
+        Ok(Box::new(VlaEval::new(&address, settings)?))
+    })
 }
 
 /// The agents with a NavDP server.
@@ -43,38 +49,41 @@ pub fn vla_eval(address: &str) -> Result<Arc<dyn AgentFactory>, AgentError> {
 /// What is no address.
 pub fn navdp(address: &str) -> Result<Arc<dyn AgentFactory>, AgentError> {
     let (address, turns) = (address.to_owned(), Turns::default());
-    factory(move |settings| Ok(Box::new(NavDp::new(&address, settings, turns.clone())?)))
+    factory(NAVDP, move |settings| {
+        Ok(Box::new(NavDp::new(&address, settings, turns.clone())?))
+    })
 }
 
 fn factory(
+    protocol: Protocol,
     make: impl Fn(Settings) -> Result<Box<dyn Server>, ServerError> + Send + Sync + 'static,
 ) -> Result<Arc<dyn AgentFactory>, AgentError> {
     // So that an address that is none is found at once.
-    make(Settings::parse(&BTreeMap::new())?)?;
+    make(Settings::of(&protocol, &BTreeMap::new())?)?;
     let make = Box::new(make);
-    Ok(Arc::new(ServedFactory { make }))
+    Ok(Arc::new(ServedFactory { protocol, make }))
 }
 
 impl AgentFactory for ServedFactory {
     fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
-        let settings = Settings::parse(request.settings)?;
+        let settings = Settings::of(&self.protocol, request.settings)?;
         let server = (self.make)(settings.clone())?;
         let answers = Recorded::new(&request.exchanges, server)?;
         Ok(Box::new(Served::new(answers, settings, request.seed)))
     }
 
     fn check(&self, settings: &AgentSettings) -> Result<(), AgentError> {
-        Settings::parse(settings)?;
+        Settings::of(&self.protocol, settings)?;
         Ok(())
     }
 
     fn reach(&self, settings: &AgentSettings) -> Result<(), AgentError> {
-        (self.make)(Settings::parse(settings)?)?.reach()?;
+        (self.make)(Settings::of(&self.protocol, settings)?)?.reach()?;
         Ok(())
     }
 
     fn in_force(&self, settings: &AgentSettings) -> BTreeMap<String, Setting> {
-        let in_force = SETTINGS.iter().map(|setting| {
+        let in_force = self.protocol.settings().map(|setting| {
             let value = setting.value(settings).to_owned();
             (setting.key.to_owned(), Setting::new(value, setting.default))
         });

@@ -86,6 +86,31 @@ fn a_server_that_fails_fails_its_delivery_and_the_recording_repeats_both() {
 }
 
 #[test]
+fn a_goal_that_a_server_does_not_take_is_repeated_as_such() {
+    let port = http(|_, _| Answer::Body("{}".into()));
+    let place = place();
+    place.file("words.toml", SUITE.replace("goal = \"point\"\n", ""));
+    let run = format!("run words.toml --agent navdp:http://127.0.0.1:{port} --out runs/words");
+    place.openbench(&run).succeeded();
+    assert_eq!(
+        failures(&place, "runs/words"),
+        [json!("briefing"), json!("briefing")]
+    );
+    place.openbench("verify runs/words --agent").succeeded();
+    let results = place.json("runs/words/results.json");
+    assert!(
+        results["settings"]["replan"].is_object(),
+        "{}",
+        results["settings"]
+    );
+    assert!(
+        results["settings"]["size"].is_null(),
+        "{}",
+        results["settings"]
+    );
+}
+
+#[test]
 fn without_a_server_nothing_is_run() {
     let place = place();
     let ran = place.openbench("run points.toml --agent openpi:ws://127.0.0.1:9");

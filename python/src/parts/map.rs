@@ -13,6 +13,8 @@ use pyo3::types::PyDict;
 use super::arrays::{Matrix, Rows, point_of, points_of, to_array};
 use crate::errors::{InputError, PlanningError};
 
+/// Longest file of a map, bytes.
+const MOST_BYTES: u64 = 4 << 30;
 /// Speed where there are no roads, m/s.
 const OFF_ROAD_MPS: f64 = 0.5;
 
@@ -53,7 +55,7 @@ impl Map {
     #[staticmethod]
     #[pyo3(signature = (path, georeference=None))]
     fn read(py: Python<'_>, path: PathBuf, georeference: Option<String>) -> PyResult<Self> {
-        let bytes = std::fs::read(&path);
+        let bytes = py.detach(|| openbench_core::input::read(&path, MOST_BYTES));
         let bytes = bytes.map_err(|e| InputError::new_err(format!("{}: {e}", path.display())))?;
         Self::new(py, bytes, georeference)
     }

@@ -1,6 +1,6 @@
 //! Costmaps, and planners that turn paths into velocities.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity, with_causes};
@@ -18,58 +18,54 @@ use super::map::Map;
 use crate::errors::{InputError, PlanningError};
 
 /// The ground with the cost of driving over it.
-#[pyclass]
+#[pyclass(frozen)]
 pub struct Costmap {
-    costmap: openbench_motion::Costmap,
+    costmap: Mutex<openbench_motion::Costmap>,
 }
 
 #[pymethods]
 impl Costmap {
     /// An area of a map from its south-western corner to its north-eastern one.
     #[new]
-    fn new(map: &Map, low: (f64, f64), high: (f64, f64)) -> PyResult<Self> {
+    fn new(py: Python<'_>, map: &Map, low: (f64, f64), high: (f64, f64)) -> PyResult<Self> {
         let (low, high) = (point_of(low, "low")?, point_of(high, "high")?);
         let robot = RobotDescription::sentry();
-        let costmap = openbench_motion::Costmap::new(&map.map, low, high, &robot);
-        let mut costmap = costmap.map_err(|error| InputError::new_err(with_causes(&error)))?;
-        costmap.inflate();
-        Ok(Self { costmap })
+        let map = &map.map;
+        let costmap = py.detach(|| openbench_motion::Costmap::new(map, low, high, &robot));
+        let costmap = costmap.map_err(|error| InputError::new_err(with_causes(&error)))?;
+        Ok(Self {
+            costmap: Mutex::new(costmap),
+        })
     }
 
     /// Side of a cell, metres.
     #[getter]
-    fn cell(&self) -> f64 {
-        self.costmap.grid().cell
+    fn cell(&self, py: Python<'_>) -> f64 {
+        py.detach(|| self.lock().grid().cell)
     }
 
     /// South-western corner of the first cell.
     #[getter]
-    fn origin(&self) -> (f64, f64) {
-        let origin = self.costmap.grid().origin;
+    fn origin(&self, py: Python<'_>) -> (f64, f64) {
+        let origin = py.detach(|| self.lock().grid().origin);
         (origin.x, origin.y)
     }
 
     /// Takes in the points (n, 3) of a scan in `map`, z above the ground, that was measured at
     /// `sensor` (x, y, z).
-    fn observe(
-        &mut self,
-        py: Python<'_>,
-        points: Rows<'_>,
-        sensor: (f64, f64, f64),
-    ) -> PyResult<()> {
+    fn observe(&self, py: Python<'_>, points: Rows<'_>, sensor: (f64, f64, f64)) -> PyResult<()> {
         let center = point_of((sensor.0, sensor.1), "sensor")?;
         if !sensor.2.is_finite() {
             return Err(PyValueError::new_err("sensor: NaN or infinity"));
         }
         let points = rows_of::<3>(&points, "points")?;
         py.detach(|| {
-            let finite = points
-                .iter()
-                .filter(|point| point.iter().all(|c| c.is_finite()));
+            let is_finite = |point: &&[f64; 3]| point.iter().all(|c| c.is_finite());
+            let finite = points.iter().filter(is_finite);
             let seen = finite.map(|[x, y, z]| ScanPoint::new(MapPoint::new(*x, *y), *z));
-            self.costmap
-                .observe(&RangeRing::new(center, sensor.2, seen));
-            self.costmap.inflate();
+            let mut costmap = self.lock();
+            costmap.observe(&RangeRing::new(center, sensor.2, seen));
+            costmap.inflate();
         });
         Ok(())
     }
@@ -77,14 +73,14 @@ impl Costmap {
     /// Cost of driving one metre through each cell, rows from the south; infinite where the robot
     /// does not fit.
     fn costs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let grid = *self.costmap.grid();
-        let cost = |cell| {
-            self.costmap
-                .cost(cell)
-                .map_or(f32::INFINITY, |cost| cost as f32)
-        };
-        let costs: Vec<f32> = (0..grid.len()).map(cost).collect();
-        costs.into_pyarray(py).reshape([grid.height, grid.width])
+        let (costs, shape) = py.detach(|| {
+            let costmap = self.lock();
+            let grid = *costmap.grid();
+            let cost = |cell| costmap.cost(cell).map_or(f32::INFINITY, |cost| cost as f32);
+            let costs: Vec<f32> = (0..grid.len()).map(cost).collect();
+            (costs, [grid.height, grid.width])
+        });
+        costs.into_pyarray(py).reshape(shape)
     }
 
     /// The cheapest path (n, 2), by A*.
@@ -95,9 +91,16 @@ impl Costmap {
         goal: (f64, f64),
     ) -> PyResult<Matrix<'py>> {
         let (start, goal) = (point_of(start, "start")?, point_of(goal, "goal")?);
-        let path = py.detach(|| plan(&mut Search::default(), &self.costmap, start, goal));
+        let path = py.detach(|| plan(&mut Search::default(), &self.lock(), start, goal));
         let path = path.map_err(|error| PlanningError::new_err(with_causes(&error)))?;
         to_array(py, &path)
+    }
+}
+
+impl Costmap {
+    /// Locked only while Python's lock is released, so that two threads never wait for each other.
+    fn lock(&self) -> MutexGuard<'_, openbench_motion::Costmap> {
+        self.costmap.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

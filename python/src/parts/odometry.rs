@@ -1,7 +1,10 @@
 //! LiDAR-inertial odometry on arrays.
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use nalgebra::{Matrix4, Vector3};
-use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArrayLike1, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1};
 use openbench_core::{ImuSample, LidarPoint, LidarScan, Pose3, RobotDescription, SimTime};
 use openbench_localization::lidar_inertial::sensor_settings;
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Settings, Speed, Status};
@@ -10,13 +13,10 @@ use pyo3::prelude::*;
 
 use super::arrays::{Matrix, Rows, rows_of};
 
-/// Times in nanoseconds.
-type Stamps<'py> = PyArrayLike1<'py, u64, AllowTypeChange>;
-
 /// How sensors have moved since the start.
-#[pyclass]
+#[pyclass(frozen)]
 pub struct Odometry {
-    odometry: LidarInertialOdometry,
+    odometry: Mutex<LidarInertialOdometry>,
 }
 
 #[pymethods]
@@ -68,21 +68,21 @@ impl Odometry {
             }
         }
         Ok(Self {
-            odometry: LidarInertialOdometry::new(settings),
+            odometry: Mutex::new(LidarInertialOdometry::new(settings)),
         })
     }
 
     /// Takes in samples of the IMU: times (n,) in nanoseconds, turn rates (n, 3) in rad/s and
     /// specific forces (n, 3) in m/s².
     fn imu(
-        &mut self,
+        &self,
         py: Python<'_>,
-        stamps: Stamps<'_>,
+        stamps: &Bound<'_, PyAny>,
         gyro: Rows<'_>,
         accel: Rows<'_>,
     ) -> PyResult<Vec<PyEstimate>> {
         let (gyro, accel) = (rows_of::<3>(&gyro, "gyro")?, rows_of::<3>(&accel, "accel")?);
-        let stamps: Vec<u64> = stamps.as_array().to_vec();
+        let stamps = nanoseconds(stamps, "stamps")?;
         same_length("gyro", stamps.len(), gyro.len())?;
         same_length("accel", stamps.len(), accel.len())?;
         Ok(py.detach(|| {
@@ -92,7 +92,8 @@ impl Odometry {
                 gyro,
                 accel,
             });
-            let estimates = samples.flat_map(|sample| self.odometry.imu(sample));
+            let mut odometry = self.lock();
+            let estimates = samples.flat_map(|sample| odometry.imu(sample));
             estimates.map(PyEstimate).collect()
         }))
     }
@@ -101,14 +102,14 @@ impl Odometry {
     /// LiDAR's frame, each as seen at its own time, and that time (n,) in nanoseconds after the
     /// first.
     fn scan(
-        &mut self,
+        &self,
         py: Python<'_>,
         stamp: u64,
         points: Rows<'_>,
-        offsets: Stamps<'_>,
+        offsets: &Bound<'_, PyAny>,
     ) -> PyResult<Vec<PyEstimate>> {
         let points = rows_of::<3>(&points, "points")?;
-        let offsets: Vec<u64> = offsets.as_array().to_vec();
+        let offsets = nanoseconds(offsets, "offsets")?;
         same_length("offsets", points.len(), offsets.len())?;
         if offsets.iter().any(|offset| u32::try_from(*offset).is_err()) {
             return Err(PyValueError::new_err("offsets: a scan lasts 4 s at most"));
@@ -125,21 +126,70 @@ impl Odometry {
                 stamp: SimTime(stamp),
                 points: points.collect(),
             };
-            let estimates = self.odometry.scan(scan);
+            let estimates = self.lock().scan(scan);
             estimates.into_iter().map(PyEstimate).collect()
         }))
     }
 
     /// Takes in a velocity (3,) of the body by its wheels, in m/s in its own frame, with standard
     /// deviations (3,), and its turn rate in rad/s.
-    fn speed(&mut self, stamp: u64, velocity: [f64; 3], deviation: [f64; 3], turn: f64) {
-        self.odometry.speed(Speed {
+    fn speed(
+        &self,
+        py: Python<'_>,
+        stamp: u64,
+        velocity: [f64; 3],
+        deviation: [f64; 3],
+        turn: f64,
+    ) {
+        let speed = Speed {
             stamp: SimTime(stamp),
             velocity: Vector3::from(velocity),
             deviation: Vector3::from(deviation),
             turn,
-        });
+        };
+        py.detach(|| self.lock().speed(speed));
     }
+
+    /// How much input could not be used: samples of the IMU, scans, speeds and points.
+    #[getter]
+    fn refused(&self, py: Python<'_>) -> BTreeMap<&'static str, usize> {
+        let refused = py.detach(|| self.lock().refused());
+        BTreeMap::from([
+            ("imu", refused.imu),
+            ("scans", refused.scans),
+            ("speeds", refused.speeds),
+            ("points", refused.points),
+        ])
+    }
+}
+
+impl Odometry {
+    /// Locked only while Python's lock is released, so that two threads never wait for each other.
+    fn lock(&self) -> MutexGuard<'_, LidarInertialOdometry> {
+        self.odometry.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Times (n,) in nanoseconds. Numbers with fractions are refused: they would be seconds.
+///
+/// # Errors
+/// `ValueError` that names the argument.
+fn nanoseconds(given: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<u64>> {
+    let array = given
+        .py()
+        .import("numpy")?
+        .call_method1("asarray", (given,))?;
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    let is_empty = array.getattr("size")?.extract::<usize>()? == 0;
+    if !is_empty && kind != "i" && kind != "u" {
+        let problem = format!("{name}: write integers, nanoseconds");
+        return Err(PyValueError::new_err(problem));
+    }
+    let array = array.call_method1("astype", ("int64",))?;
+    let array: PyReadonlyArray1<'_, i64> = array.extract()?;
+    let times = array.as_array().to_vec().into_iter().map(u64::try_from);
+    let times: Result<Vec<u64>, _> = times.collect();
+    times.map_err(|_| PyValueError::new_err(format!("{name}: a time is negative")))
 }
 
 fn same_length(name: &str, expected: usize, found: usize) -> PyResult<()> {

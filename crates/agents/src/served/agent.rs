@@ -13,13 +13,12 @@ use openbench_osm::{OsmData, OsmMap};
 
 use super::depth::RecentScans;
 use super::driving::{Command, Driving};
-use super::error::ServerError;
 use super::question::{Answer, Episode, Question, Timed};
 use super::recorded::Recorded;
-use super::settings::Settings;
+use super::settings::{Actions, Settings};
 use crate::Border;
 
-/// What a policy is told that is to drive to a point.
+/// What a policy reads whose goal is a point.
 const TO_THE_POINT: &str = "drive to the goal";
 /// The name of a point, which has no address.
 const POINT: &str = "goal";
@@ -105,7 +104,7 @@ impl Agent for Served {
         };
         self.errand = Some(errand);
         let begun = self.answers.begin(&episode);
-        begun.map_err(|error| self.fail(cause_of(&error), with_causes(&error)))
+        begun.map_err(|error| self.fail(error.cause(), with_causes(&error)))
     }
 
     fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
@@ -130,7 +129,7 @@ impl Agent for Served {
                     errand.used.failed += 1;
                     events.record(Event::Models(errand.used));
                     let detail = with_causes(&error);
-                    return Action::GiveUp(self.fail(cause_of(&error), detail));
+                    return Action::GiveUp(self.fail(error.cause(), detail));
                 }
             }
             events.record(Event::Models(errand.used));
@@ -153,6 +152,11 @@ impl Errand {
     ) -> Result<Self, GiveUp> {
         let (words, goal, open) = match &briefing.goal {
             Goal::Instruction(words) => {
+                if settings.actions != Actions::Velocity {
+                    // Nothing in them says that the robot has arrived.
+                    let detail = "points declare no delivery; run a suite with `goal = \"point\"`";
+                    return Err(surrender(FailureCause::Briefing, detail.to_owned()));
+                }
                 let open = deliveries(briefing, words, events);
                 let open = open.map_err(|(cause, detail)| surrender(cause, detail))?;
                 (words.clone(), None, open)
@@ -290,13 +294,6 @@ fn surrender(cause: FailureCause, detail: String) -> GiveUp {
     }
 }
 
-fn cause_of(error: &ServerError) -> FailureCause {
-    match error {
-        ServerError::Goal { .. } => FailureCause::Briefing,
-        _ => FailureCause::PolicyUnavailable,
-    }
-}
-
 /// The addresses of an instruction, in driving order: policies say that they have arrived, but not
 /// where.
 fn deliveries(
@@ -324,7 +321,7 @@ fn deliveries(
         .collect())
 }
 
-/// Straight ways, at 1 m/s.
+/// Straight lines, at 1 m/s.
 struct Straight;
 
 impl TravelTimes for Straight {
@@ -347,6 +344,7 @@ mod tests {
     };
     use openbench_models::Exchanges;
 
+    use super::super::error::ServerError;
     use super::super::question::Step;
     use super::super::testing::{Script, image};
     use super::*;

@@ -70,7 +70,8 @@ impl Driving {
     pub fn follow(&mut self, answer: Answer, pose: Pose2, now: SimTime) {
         let course = match answer {
             Answer::Velocities { period_s, steps } => Course::Steps {
-                period: Duration::from_secs_f64(period_s),
+                // Sound answers have a period.
+                period: Duration::try_from_secs_f64(period_s).unwrap_or_default(),
                 steps,
             },
             Answer::Path { points, lasts_s } => path(pose, &points, lasts_s),
@@ -228,6 +229,15 @@ mod tests {
             "{pose:?}"
         );
         assert!(driving.is_due(at(500)) && !driving.is_due(at(450)));
+    }
+
+    #[test]
+    fn without_points_it_stands() {
+        let mut driving = driving();
+        let (points, lasts_s) = (Vec::new(), None);
+        driving.follow(Answer::Path { points, lasts_s }, Pose2::default(), at(0));
+        let command = driving.command(at(50), Pose2::default(), Velocity::ZERO);
+        assert_eq!(drives(command), Velocity::ZERO);
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use openbench_core::FailureCause;
+
 use super::limits::{MAX_ANSWER_BYTES, MAX_ROWS};
 
 /// Why a policy server is of no use.
@@ -79,6 +81,8 @@ pub enum ServerError {
     /// An error that was recorded, in its words.
     #[error("{detail}")]
     Repeated {
+        /// What it meant for the deliveries.
+        cause: FailureCause,
         /// The words.
         detail: String,
     },
@@ -89,6 +93,15 @@ impl ServerError {
     pub(super) fn not_begun() -> Self {
         Self::Closed {
             detail: "no episode has begun".to_owned(),
+        }
+    }
+
+    /// What it means for the deliveries.
+    pub fn cause(&self) -> FailureCause {
+        match self {
+            Self::Goal { .. } => FailureCause::Briefing,
+            Self::Repeated { cause, .. } => *cause,
+            _ => FailureCause::PolicyUnavailable,
         }
     }
 

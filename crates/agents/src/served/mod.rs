@@ -41,6 +41,8 @@ pub use navdp::NavDp;
 pub use openpi::OpenPi;
 pub use question::{Answer, Episode, Question, Server};
 pub use recorded::Recorded;
-pub use settings::{Actions, SETTINGS, SettingError, Settings};
+pub use settings::{
+    Actions, NAVDP, OPENPI, Protocol, SETTINGS, Setting, SettingError, Settings, VLA_EVAL,
+};
 pub use turns::Turns;
 pub use vla_eval::VlaEval;

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
-use openbench_core::{Image, with_causes};
+use openbench_core::{Image, MapPoint, with_causes};
 use serde::Deserialize;
 use serde_json::json;
 use ureq::Agent;
@@ -20,7 +20,7 @@ use super::depth::DepthImage;
 use super::error::ServerError;
 use super::limits::{MAX_ANSWER_BYTES, shown};
 use super::question::{Answer, Episode, Question, Server};
-use super::settings::{Actions, Settings};
+use super::settings::Settings;
 use super::turns::{Turn, Turns};
 use super::websocket;
 
@@ -32,6 +32,8 @@ const JPEG_QUALITY: u8 = 95;
 const DEPTH_SCALE: f32 = 10_000.0;
 /// A trajectory whose value is lower is replaced by a turn on the spot: the client's own default.
 const STOP_THRESHOLD: f64 = -0.5;
+/// A trajectory that ends nearer than this to where it begins means to stand, metres.
+const STAYS_M: f64 = 0.05;
 /// Boundary of the parts of a request. No image contains it but by a chance of 2^-200.
 const BOUNDARY: &str = "openbench-3f6c1d0a9be84752a1d7c2e85b904f1e";
 
@@ -54,11 +56,7 @@ impl NavDp {
     pub fn new(address: &str, settings: Settings, turns: Turns) -> Result<Self, ServerError> {
         Ok(Self {
             address: Address::parse(address, "http", EXAMPLE)?,
-            // Its points have no times.
-            settings: Settings {
-                actions: Actions::Waypoints,
-                ..settings
-            },
+            settings,
             turns,
             turn: None,
             camera_ahead: 0.0,
@@ -81,7 +79,8 @@ impl NavDp {
             // Policy servers stand in the own network.
             .proxy(None);
         let agent = config.build().new_agent();
-        let endpoint = format!("{}{step}", self.address.url());
+        let base = self.address.url();
+        let endpoint = format!("{}/{step}", base.trim_end_matches('/'));
         let failed = |error: ureq::Error| match error {
             ureq::Error::Timeout(_) => ServerError::Silent { within },
             ureq::Error::Io(error) if error.kind() == std::io::ErrorKind::TimedOut => {
@@ -128,7 +127,7 @@ impl Server for NavDp {
                 takes: "points",
             });
         }
-        // The old turn ends first: nobody waits for himself.
+        // The turn before ends first: nobody waits for himself.
         self.turn = None;
         self.turn = Some(self.turns.wait());
         self.camera_ahead = episode.robot.camera.translation.x;
@@ -165,14 +164,19 @@ impl Server for NavDp {
         let depth = depth.ok_or_else(|| ServerError::unreadable("there is no depth image"))?;
         form.file("depth", "depth.png", "image/png", &png(depth)?);
         form.field("goal_data", &goal.to_string());
-        let within = self.settings.patience.act;
+        let within = self.settings.within(question);
         let answer = self.post("pointgoal_step", &Form::kind(), form.end(), within)?;
         let points = trajectory(&answer)?;
         let mut answer = self.settings.answer(&points)?;
         if let Answer::Path { points, .. } = &mut answer {
-            points
-                .iter_mut()
-                .for_each(|point| point.x += self.camera_ahead);
+            let stays = |point: &MapPoint| point.distance(MapPoint::default()) < STAYS_M;
+            if points.iter().all(stays) {
+                // The camera stays where it is, and so does the robot.
+                points.clear();
+            }
+            for point in points {
+                point.x += self.camera_ahead;
+            }
         }
         Ok(answer)
     }
@@ -201,7 +205,7 @@ fn trajectory(answer: &[u8]) -> Result<Rows, ServerError> {
         } else {
             ""
         };
-        ServerError::unreadable(format!("{error}{cause}"))
+        ServerError::unreadable(format!("{}{cause}", shown(&error.to_string())))
     })?;
     let points = read.trajectory.into_iter().next().unwrap_or_default();
     let columns = points.first().map_or(0, Vec::len);

@@ -12,7 +12,7 @@ use super::error::ServerError;
 use super::limits::shown;
 use super::question::{Answer, Episode, Question, Server};
 use super::settings::Settings;
-use super::websocket::{Connection, Received};
+use super::websocket::{Connection, Deadline, Received};
 
 /// What an address looks like.
 pub(super) const EXAMPLE: &str = "openpi:ws://127.0.0.1:8000";
@@ -39,9 +39,9 @@ impl OpenPi {
 
     /// A new connection, on which the metadata have come.
     fn connect(&self) -> Result<Connection, ServerError> {
-        let within = self.settings.patience.begin;
-        let mut connection = Connection::open(&self.address, within)?;
-        message(connection.receive(within)?)?;
+        let deadline = Deadline::after(self.settings.patience.begin);
+        let mut connection = Connection::open(&self.address, deadline)?;
+        message(connection.receive(deadline)?)?;
         Ok(connection)
     }
 
@@ -79,13 +79,13 @@ impl Server for OpenPi {
 
     fn ask(&mut self, question: &Question) -> Result<Answer, ServerError> {
         let observation = to_bytes(&self.observation(question));
-        let within = self.settings.patience.act;
+        let deadline = Deadline::after(self.settings.within(question));
         let connection = self
             .connection
             .as_mut()
             .ok_or_else(ServerError::not_begun)?;
-        connection.send(observation, within)?;
-        let answer = message(connection.receive(within)?)?;
+        connection.send(observation, deadline)?;
+        let answer = message(connection.receive(deadline)?)?;
         let actions = entry(&answer, "actions");
         let actions = actions.ok_or_else(|| ServerError::unreadable("it lacks `actions`"))?;
         self.settings.answer(&Rows::read(actions)?)

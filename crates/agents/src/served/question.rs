@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::depth::DepthImage;
 use super::error::ServerError;
+use super::limits::{MAX_PERIOD_S, MAX_ROWS, MIN_PERIOD_S};
 
 /// An episode that begins.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,6 +87,30 @@ pub enum Answer {
         /// How long the drive along them takes, seconds; `None`: as the robot likes.
         lasts_s: Option<f64>,
     },
+}
+
+impl Answer {
+    /// Whether its times and numbers can be driven, and it is no longer than an answer may be. What
+    /// comes from a server does; a recording may have been changed.
+    pub fn is_sound(&self) -> bool {
+        match self {
+            Self::Velocities { period_s, steps } => {
+                (MIN_PERIOD_S..=MAX_PERIOD_S).contains(period_s)
+                    && steps.len() <= MAX_ROWS
+                    && steps.iter().all(|step| is_finite(step.velocity))
+            }
+            Self::Path { points, lasts_s } => {
+                let lasts = lasts_s.unwrap_or(MIN_PERIOD_S);
+                (MIN_PERIOD_S..=MAX_PERIOD_S * MAX_ROWS as f64).contains(&lasts)
+                    && points.len() <= MAX_ROWS
+                    && points.iter().all(|p| p.x.is_finite() && p.y.is_finite())
+            }
+        }
+    }
+}
+
+fn is_finite(velocity: Velocity) -> bool {
+    velocity.linear.is_finite() && velocity.angular.is_finite()
 }
 
 /// A velocity of an answer.

@@ -9,7 +9,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use openbench_core::with_causes;
+use openbench_core::{FailureCause, with_causes};
 use openbench_models::Exchanges;
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +35,7 @@ struct Exchange {
 enum Outcome {
     Begun,
     Answer(Answer),
-    Error(String),
+    Error { cause: FailureCause, detail: String },
 }
 
 /// Where answers come from.
@@ -125,7 +125,10 @@ impl Recorded {
                 let took_us = began.elapsed().as_micros() as u64;
                 let recorded = match &outcome {
                     Ok(outcome) => outcome.clone(),
-                    Err(error) => Outcome::Error(with_causes(error)),
+                    Err(error) => Outcome::Error {
+                        cause: error.cause(),
+                        detail: with_causes(error),
+                    },
                 };
                 if let Some(file) = file {
                     write(
@@ -146,7 +149,9 @@ impl Recorded {
                     outcome, took_us, ..
                 } = exchange.ok_or_else(differs)?;
                 match outcome {
-                    Outcome::Error(detail) => Err(ServerError::Repeated { detail }),
+                    Outcome::Error { cause, detail } => {
+                        Err(ServerError::Repeated { cause, detail })
+                    }
                     outcome => Ok((outcome, Duration::from_micros(took_us))),
                 }
             }
@@ -168,11 +173,21 @@ fn write(file: &mut File, exchange: &Exchange) -> Result<(), ServerError> {
 fn read(path: &Path) -> std::io::Result<Vec<Exchange>> {
     let file = openbench_core::input::open(path)?;
     let lines = BufReader::new(file.take(MAX_RECORDING_BYTES)).lines();
-    let exchanges = lines.map(|line| {
-        serde_json::from_str(&line?)
-            .map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
-    });
-    exchanges.collect()
+    lines.map(|line| exchange_of(&line?)).collect()
+}
+
+fn exchange_of(line: &str) -> std::io::Result<Exchange> {
+    let exchange: Exchange = serde_json::from_str(line).map_err(invalid)?;
+    match &exchange.outcome {
+        Outcome::Answer(answer) if !answer.is_sound() => {
+            Err(invalid("an answer has numbers that no server sends"))
+        }
+        _ => Ok(exchange),
+    }
+}
+
+fn invalid(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> std::io::Error {
+    std::io::Error::new(std::io::ErrorKind::InvalidData, error)
 }
 
 fn unusable(path: &Path, error: &std::io::Error) -> ServerError {
@@ -245,9 +260,55 @@ mod tests {
     fn a_recording_that_is_none_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("answers.jsonl");
-        std::fs::write(&file, "{\"question\":").unwrap();
-        let over = Box::new(Script::new([]));
-        let error = Recorded::new(&Exchanges::Repeat(file), over).err().unwrap();
-        assert!(error.to_string().contains("answers.jsonl"), "{error}");
+        let path = |lasts: &str| {
+            format!(
+                r#"{{"question":"q","outcome":{{"answer":{{"path":{{"points":[],"lasts_s":{lasts}}}}}}},"took_us":1}}"#
+            )
+        };
+        let steps = |period: &str| {
+            format!(
+                r#"{{"question":"q","outcome":{{"answer":{{"velocities":{{"period_s":{period},"steps":[]}}}}}},"took_us":1}}"#
+            )
+        };
+        let opens = |text: &str| {
+            std::fs::write(&file, text).unwrap();
+            let over = Box::new(Script::new([]));
+            Recorded::new(&Exchanges::Repeat(file.clone()), over).map(|_| ())
+        };
+        for text in [
+            "{\"question\":".to_owned(),
+            path("-1.0"),
+            steps("-1.0"),
+            steps("1e300"),
+            steps("0.0"),
+        ] {
+            let error = opens(&text).unwrap_err().to_string();
+            assert!(error.contains("answers.jsonl"), "{text}: {error}");
+        }
+        for text in [path("null"), path("2.4"), steps("0.1")] {
+            assert_eq!(opens(&text), Ok(()), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_an_error_meant_is_repeated() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("answers.jsonl");
+        let goal = ServerError::Goal {
+            server: "NavDP",
+            takes: "points",
+        };
+        let script = Script::new([Err(goal)]);
+        let mut recorded = Recorded::new(&Exchanges::Keep(file.clone()), Box::new(script)).unwrap();
+        recorded.begin(&episode()).unwrap();
+        let first = recorded.ask(&question(0)).unwrap_err();
+        let mut again = repeated(&file);
+        again.begin(&episode()).unwrap();
+        let second = again.ask(&question(0)).unwrap_err();
+        assert_eq!(first.cause(), FailureCause::Briefing);
+        assert_eq!(
+            (second.cause(), second.to_string()),
+            (first.cause(), first.to_string())
+        );
     }
 }

@@ -7,12 +7,11 @@ use openbench_core::{MapPoint, Velocity};
 
 use super::arrays::Rows;
 use super::error::ServerError;
+use super::limits::{MAX_PERIOD_S, MIN_PERIOD_S};
 use super::picture::Size;
-use super::question::{Answer, Step};
+use super::question::{Answer, Question, Step};
 use crate::remote::Patience;
 
-/// Longest time that can be set, seconds.
-const LONGEST_S: f64 = 86_400.0;
 /// Pixels of the side of an image.
 const SIDES: std::ops::RangeInclusive<u32> = 16..=1024;
 /// Longest name of a key, bytes.
@@ -32,7 +31,7 @@ pub const SETTINGS: [Setting; 11] = [
         key: "period",
         default: "0.1",
         values: "SECONDS",
-        about: "how long a velocity, or the way to the next point of a trajectory, lasts",
+        about: "how long a velocity, or the drive to the next point of a trajectory, lasts",
     },
     Setting {
         key: "horizon",
@@ -110,6 +109,44 @@ impl Setting {
     }
 }
 
+/// Which settings a protocol has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Protocol {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// The keys of [`SETTINGS`] that mean nothing to it.
+    ignored: &'static [&'static str],
+    /// What its answers are, if that is not set.
+    actions: Option<Actions>,
+}
+
+/// openpi.
+pub const OPENPI: Protocol = Protocol {
+    name: "openpi",
+    ignored: &[],
+    actions: None,
+};
+/// vla-eval, whose observations have keys of their own.
+pub const VLA_EVAL: Protocol = Protocol {
+    name: "vla-eval",
+    ignored: &["image", "state"],
+    actions: None,
+};
+/// NavDP, which gets images as the camera has them, and answers points without times.
+pub const NAVDP: Protocol = Protocol {
+    name: "navdp",
+    ignored: &["actions", "period", "horizon", "size", "image", "state"],
+    actions: Some(Actions::Waypoints),
+};
+
+impl Protocol {
+    /// The settings that it has.
+    pub fn settings(&self) -> impl Iterator<Item = &'static Setting> {
+        let is_known = |setting: &&Setting| !self.ignored.contains(&setting.key);
+        SETTINGS.iter().filter(is_known)
+    }
+}
+
 /// What the numbers of an answer are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Actions {
@@ -138,7 +175,8 @@ pub enum Actions {
 pub struct Settings {
     /// `actions`: `velocity`, `waypoints` or `trajectory`.
     pub actions: Actions,
-    /// `period`: how long a velocity, or the way to the next point of a trajectory, lasts, seconds.
+    /// `period`: how long a velocity, or the drive to the next point of a trajectory, lasts,
+    /// seconds.
     pub period_s: f64,
     /// `horizon`: how many velocities of an answer are driven before the next question; `None`:
     /// `all`.
@@ -166,11 +204,18 @@ pub struct Settings {
 #[non_exhaustive]
 pub enum SettingError {
     /// There is no such key.
-    #[error("there is no setting `{key}`; known: {}", names())]
+    #[error("{protocol} has no setting `{key}`; known: {known}")]
     UnknownKey {
+        /// The protocol.
+        protocol: &'static str,
         /// What was written.
         key: String,
+        /// What there is.
+        known: String,
     },
+    /// Neither the policy nor the robot would ever declare a delivery.
+    #[error("arrival=policy: points declare no delivery; write metres, or actions=velocity")]
+    NeverDeclares,
     /// The value is none of the setting.
     #[error("{key}={value}: write {expected}")]
     BadValue {
@@ -183,24 +228,35 @@ pub enum SettingError {
     },
 }
 
-fn names() -> String {
-    SETTINGS.map(|setting| setting.key).join(", ")
-}
-
 impl Settings {
-    /// The settings that are written so; those that are not have their defaults.
+    /// The settings of openpi that are written so; those that are not have their defaults.
     ///
     /// # Errors
     /// [`SettingError`] of the first one that is wrong.
     pub fn parse(words: &BTreeMap<String, String>) -> Result<Self, SettingError> {
-        let is_known = |key: &String| SETTINGS.iter().any(|known| known.key == key);
+        Self::of(&OPENPI, words)
+    }
+
+    /// As [`parse`](Self::parse), for any protocol.
+    ///
+    /// # Errors
+    /// As `parse`.
+    pub fn of(protocol: &Protocol, words: &BTreeMap<String, String>) -> Result<Self, SettingError> {
+        let is_known = |key: &&String| protocol.settings().any(|known| known.key == **key);
         if let Some(key) = words.keys().find(|key| !is_known(key)) {
-            let key = key.clone();
-            return Err(SettingError::UnknownKey { key });
+            let known: Vec<_> = protocol.settings().map(|setting| setting.key).collect();
+            return Err(SettingError::UnknownKey {
+                protocol: protocol.name,
+                key: key.clone(),
+                known: known.join(", "),
+            });
         }
         let words = Words(words);
-        Ok(Self {
-            actions: words.read("actions", actions)?,
+        let settings = Self {
+            actions: match protocol.actions {
+                Some(actions) => actions,
+                None => words.read("actions", actions)?,
+            },
             period_s: words.read("period", seconds)?.as_secs_f64(),
             horizon: words.read("horizon", horizon)?,
             replan: words.read("replan", seconds)?,
@@ -213,7 +269,21 @@ impl Settings {
             size: words.read("size", size)?,
             image: words.read("image", key)?,
             state: words.read("state", key)?,
-        })
+        };
+        if settings.actions != Actions::Velocity && settings.arrival_m.is_none() {
+            return Err(SettingError::NeverDeclares);
+        }
+        Ok(settings)
+    }
+
+    /// How long the answer to a question may take: a policy may be compiled for the first one.
+    pub fn within(&self, question: &Question) -> Duration {
+        let Patience { begin, act } = self.patience;
+        if question.number == 0 {
+            begin.max(act)
+        } else {
+            act
+        }
     }
 
     /// The answer whose numbers these are.
@@ -254,20 +324,20 @@ impl Words<'_> {
         parse: impl Fn(&str) -> Option<T>,
     ) -> Result<T, SettingError> {
         let setting = SETTINGS.iter().find(|setting| setting.key == key);
-        let unknown = || SettingError::UnknownKey { key: key.into() };
-        let setting = setting.ok_or_else(unknown)?;
-        let value = setting.value(self.0);
+        let value = setting.map_or("", |setting| setting.value(self.0));
         parse(value).ok_or_else(|| SettingError::BadValue {
             key,
             value: value.to_owned(),
-            expected: setting.values,
+            expected: setting.map_or("", |setting| setting.values),
         })
     }
 }
 
 fn seconds(word: &str) -> Option<Duration> {
     let seconds: f64 = word.parse().ok()?;
-    (seconds > 0.0 && seconds <= LONGEST_S).then(|| Duration::from_secs_f64(seconds))
+    (MIN_PERIOD_S..=MAX_PERIOD_S)
+        .contains(&seconds)
+        .then(|| Duration::from_secs_f64(seconds))
 }
 
 fn charged(word: &str) -> Option<bool> {
@@ -360,11 +430,13 @@ mod tests {
                 "{error}"
             );
         }
-        let error = parse(&[("motion", "teb")]).unwrap_err();
-        assert!(
-            error.to_string().contains("known: actions, period"),
-            "{error}"
-        );
+        let error = parse(&[("motion", "teb")]).unwrap_err().to_string();
+        assert!(error.contains("known: actions, period"), "{error}");
+        let error = parse(&[("actions", "waypoints"), ("arrival", "policy")]);
+        assert_eq!(error, Err(SettingError::NeverDeclares));
+        let words = BTreeMap::from([("actions".to_owned(), "velocity".to_owned())]);
+        let error = Settings::of(&NAVDP, &words).unwrap_err().to_string();
+        assert!(error.contains("navdp has no setting `actions`"), "{error}");
     }
 
     #[test]

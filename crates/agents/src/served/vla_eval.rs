@@ -12,7 +12,7 @@ use super::error::ServerError;
 use super::limits::shown;
 use super::question::{Answer, Episode, Question, Server};
 use super::settings::Settings;
-use super::websocket::{Connection, Received};
+use super::websocket::{Connection, Deadline, Received};
 
 /// What an address looks like.
 pub(super) const EXAMPLE: &str = "vla-eval:ws://127.0.0.1:8000";
@@ -46,19 +46,19 @@ impl VlaEval {
 
     /// Connects anew, and exchanges greetings.
     fn greet(&mut self) -> Result<(), ServerError> {
-        let within = self.settings.patience.begin;
-        self.connection = Some(Connection::open(&self.address, within)?);
+        let deadline = Deadline::after(self.settings.patience.begin);
+        self.connection = Some(Connection::open(&self.address, deadline)?);
         let hello = map([
             ("harness_version", Value::from(env!("CARGO_PKG_VERSION"))),
             ("protocol_version", Value::from(PROTOCOL)),
             ("benchmark", Value::from("openbench")),
         ]);
-        let seq = self.send("hello", hello)?;
-        self.receive("hello", seq).map(|_| ())
+        let seq = self.send("hello", hello, deadline)?;
+        self.receive("hello", seq, deadline).map(|_| ())
     }
 
     /// Sends a frame and returns its number.
-    fn send(&mut self, kind: &str, payload: Value) -> Result<u64, ServerError> {
+    fn send(&mut self, kind: &str, payload: Value, deadline: Deadline) -> Result<u64, ServerError> {
         self.seq += 1;
         let frame = map([
             ("type", Value::from(kind)),
@@ -67,23 +67,21 @@ impl VlaEval {
             // Simulated time has no place in the protocol, and wall time would not repeat.
             ("timestamp", Value::from(0.0)),
         ]);
-        let within = self.settings.patience.act;
         let connection = self
             .connection
             .as_mut()
             .ok_or_else(ServerError::not_begun)?;
-        connection.send(to_bytes(&frame), within)?;
+        connection.send(to_bytes(&frame), deadline)?;
         Ok(self.seq)
     }
 
     /// The payload of the frame that answers the frame of this number.
-    fn receive(&mut self, kind: &str, seq: u64) -> Result<Value, ServerError> {
-        let within = self.settings.patience.act;
+    fn receive(&mut self, kind: &str, seq: u64, deadline: Deadline) -> Result<Value, ServerError> {
         let connection = self
             .connection
             .as_mut()
             .ok_or_else(ServerError::not_begun)?;
-        let frame = match connection.receive(within)? {
+        let frame = match connection.receive(deadline)? {
             Received::Binary(bytes) => from_bytes(&bytes)?,
             Received::Text(text) => {
                 let detail = shown(&text);
@@ -104,7 +102,13 @@ impl VlaEval {
         if entry(&frame, "seq").and_then(Value::as_u64) != Some(seq) {
             return Err(ServerError::unreadable("it answers another question"));
         }
-        Ok(payload.clone())
+        // Taken out instead of copied.
+        let Value::Map(entries) = frame else {
+            return Err(ServerError::unreadable("it is no map"));
+        };
+        let is_payload = |(key, _): &(Value, Value)| text(key) == Some("payload");
+        let payload = entries.into_iter().find(is_payload);
+        Ok(payload.map_or(Value::Nil, |(_, payload)| payload))
     }
 }
 
@@ -117,11 +121,12 @@ impl Server for VlaEval {
 
     fn begin(&mut self, episode: &Episode) -> Result<(), ServerError> {
         self.greet()?;
+        let deadline = Deadline::after(self.settings.patience.begin);
         let task = map([
             ("name", Value::from(episode.words.as_str())),
             ("seed", Value::from(episode.seed)),
         ]);
-        self.send("episode_start", map([("task", task)]))?;
+        self.send("episode_start", map([("task", task)]), deadline)?;
         Ok(())
     }
 
@@ -137,8 +142,9 @@ impl Server for VlaEval {
             ("task_description", Value::from(question.words.as_str())),
             ("states", keys.floats(&state)),
         ]);
-        let seq = self.send("observation", observation)?;
-        let payload = self.receive("action", seq)?;
+        let deadline = Deadline::after(self.settings.within(question));
+        let seq = self.send("observation", observation, deadline)?;
+        let payload = self.receive("action", seq, deadline)?;
         let actions = entry(&payload, "actions");
         let actions = actions.ok_or_else(|| ServerError::unreadable("it lacks `actions`"))?;
         self.settings.answer(&Rows::read(actions)?)
@@ -148,7 +154,8 @@ impl Server for VlaEval {
         // The judge's scores are not known yet, and no policy's business.
         let metrics = Value::Map(Vec::new());
         // A server that is gone needs not know.
-        let _ = self.send("episode_end", map([("metrics", metrics)]));
+        let deadline = Deadline::after(self.settings.patience.act);
+        let _ = self.send("episode_end", map([("metrics", metrics)]), deadline);
         self.connection = None;
     }
 }

@@ -19,6 +19,23 @@ pub struct Connection {
     socket: WebSocket<TimedStream>,
 }
 
+/// Until when an exchange may last, sending and receiving together.
+#[derive(Debug, Clone, Copy)]
+pub struct Deadline {
+    until: Instant,
+    within: Duration,
+}
+
+impl Deadline {
+    /// That long from now on.
+    pub fn after(within: Duration) -> Self {
+        Self {
+            until: Instant::now() + within,
+            within,
+        }
+    }
+}
+
 /// What a server sent.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Received {
@@ -33,8 +50,8 @@ impl Connection {
     ///
     /// # Errors
     /// [`ServerError::Unreachable`], or [`ServerError::Silent`].
-    pub fn open(address: &Address, within: Duration) -> Result<Self, ServerError> {
-        let until = Instant::now() + within;
+    pub fn open(address: &Address, deadline: Deadline) -> Result<Self, ServerError> {
+        let Deadline { until, within } = deadline;
         let stream = connect(address, within)?;
         let config = WebSocketConfig::default()
             .max_message_size(Some(MAX_ANSWER_BYTES))
@@ -57,8 +74,9 @@ impl Connection {
     /// # Errors
     /// [`ServerError::Silent`] if the server does not take them in time, or
     /// [`ServerError::Closed`].
-    pub fn send(&mut self, bytes: Vec<u8>, within: Duration) -> Result<(), ServerError> {
-        self.socket.get_mut().until = Instant::now() + within;
+    pub fn send(&mut self, bytes: Vec<u8>, deadline: Deadline) -> Result<(), ServerError> {
+        let Deadline { until, within } = deadline;
+        self.socket.get_mut().until = until;
         let sent = self.socket.send(Message::binary(bytes));
         sent.map_err(|error| failure(error, within))
     }
@@ -67,8 +85,9 @@ impl Connection {
     ///
     /// # Errors
     /// As [`send`](Self::send), or [`ServerError::TooLong`].
-    pub fn receive(&mut self, within: Duration) -> Result<Received, ServerError> {
-        self.socket.get_mut().until = Instant::now() + within;
+    pub fn receive(&mut self, deadline: Deadline) -> Result<Received, ServerError> {
+        let Deadline { until, within } = deadline;
+        self.socket.get_mut().until = until;
         loop {
             match self.socket.read().map_err(|error| failure(error, within))? {
                 Message::Binary(bytes) => return Ok(Received::Binary(bytes.to_vec())),

@@ -25,7 +25,7 @@ Examples:
   openbench run --resume runs/medium
   openbench run small --seeds 0..9 --jobs 2 --out runs/ten
   openbench run small --set localizer=dead-reckoning
-  openbench run small --agent openpi:ws://127.0.0.1:8000 --set actions=waypoints
+  openbench run small --agent openpi:ws://127.0.0.1:8000 --set timeout=10
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\
       --deliveries delivery_instructions_small.txt --truth delivery_instructions_small_gt.txt")]
 pub struct RunArgs {
