@@ -1,7 +1,7 @@
 //! How much a policy server may say.
 
 /// Limit of the length of an answer, bytes: the largest one in double precision is half as long.
-/// Values in memory may take 40 times as much.
+/// Not larger, since a value of one byte takes many times as much when it is decoded.
 pub const MAX_ANSWER_BYTES: usize = 4 << 20;
 /// Limit of the number of rows of an answer: actions, or points of a path.
 pub const MAX_ROWS: usize = 4096;
