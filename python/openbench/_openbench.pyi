@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
+    "Adapter",
     "Costmap",
     "EnvironmentOptions",
     "Environments",
@@ -89,9 +90,37 @@ class EnvironmentOptions:
         arrival: float | None,
         rewards: Mapping[str, float],
         range_image: tuple[int, int],
+        one_firing_in: int,
         pose: str,
         time_limit: float | None,
     ) -> EnvironmentOptions: ...
+
+@final
+class Adapter:
+    """Between a policy and the sensor data of a run."""
+
+    def __new__(
+        cls,
+        options: EnvironmentOptions,
+        robot: str,
+        start: tuple[float, float, float],
+        goal: tuple[float, float] | None,
+    ) -> Adapter: ...
+    @property
+    def wants_scans(self) -> bool: ...
+    @property
+    def pose(self) -> tuple[float, float, float] | None: ...
+    def take(
+        self,
+        time: float,
+        imu: npt.ArrayLike,
+        wheels: npt.ArrayLike,
+        scan: tuple[float, npt.ArrayLike, npt.ArrayLike] | None,
+    ) -> None: ...
+    def is_ready(self, time: float) -> bool: ...
+    def observation(self) -> dict[str, npt.NDArray[Any]]: ...
+    def begin(self, action: tuple[float, float]) -> None: ...
+    def velocity(self, time: float) -> tuple[float, float]: ...
 
 _Stepped = tuple[
     dict[str, npt.NDArray[Any]],

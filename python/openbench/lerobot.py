@@ -43,8 +43,9 @@ class LeRobotVectorEnv(DeliveryVectorEnv):
     """Deliveries with LeRobot's names for observations, tasks and limits."""
 
     def __init__(self, num_envs: int = 1, suite: str = "small", **settings: Any) -> None:
+        goal = ("goal",) if settings.get("goal") == "point" else ()
         defaults: dict[str, Any] = {
-            "observations": ("image", "wheels", "pose"),
+            "observations": ("image", "wheels", "pose", *goal),
             "steps": STEPS,
             "time_limit": TIME_LIMIT,
         }

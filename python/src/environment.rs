@@ -1,6 +1,7 @@
 //! Environments for learners: one, or several on threads of their own.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroU32;
 use std::slice;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
@@ -26,16 +27,20 @@ const IMAGE: (usize, usize) = (640, 480);
 
 /// What an environment observes, asks and rewards.
 #[pyclass(frozen, name = "EnvironmentOptions")]
+#[derive(Clone)]
 pub struct PyOptions {
     options: Options,
+    /// Whether the estimated pose is among the arrays; a goal is seen from it, too.
+    shows_pose: bool,
+    shows_goal: bool,
 }
 
 #[pymethods]
 impl PyOptions {
     #[new]
     #[pyo3(signature = (
-        *, observations, goal, start, steps, actions, arrival, rewards, range_image, pose,
-        time_limit
+        *, observations, goal, start, steps, actions, arrival, rewards, range_image,
+        one_firing_in, pose, time_limit
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
@@ -47,13 +52,17 @@ impl PyOptions {
         arrival: Option<f64>,
         rewards: BTreeMap<String, f64>,
         range_image: (usize, usize),
+        one_firing_in: u32,
         pose: &str,
         time_limit: Option<f64>,
     ) -> PyResult<Self> {
         let (rows, columns) = range_image;
         let size = RangeImage { rows, columns };
+        let mut observe = observe(&observations, size, pose)?;
+        let refuse_none = || InputError::new_err("one_firing_in: write 1 to 100");
+        observe.one_firing_in = NonZeroU32::new(one_firing_in).ok_or_else(refuse_none)?;
         let options = Options {
-            observe: observe(&observations, size, pose)?,
+            observe,
             goal: match goal {
                 "instruction" => GoalKind::Instruction,
                 "point" => GoalKind::Point,
@@ -71,7 +80,25 @@ impl PyOptions {
             time_limit_s: time_limit,
         };
         options.check().map_err(|error| of_environment(&error))?;
-        Ok(Self { options })
+        let is_asked = |name: &str| observations.iter().any(|asked| asked == name);
+        let shows_goal = is_asked("goal");
+        if shows_goal && options.goal != GoalKind::Point {
+            return Err(InputError::new_err(
+                "observations: \"goal\" is a place, which needs goal=\"point\"; an instruction \
+                 is in `info`",
+            ));
+        }
+        Ok(Self {
+            options,
+            shows_pose: is_asked("pose"),
+            shows_goal,
+        })
+    }
+}
+
+impl PyOptions {
+    pub fn options(&self) -> &Options {
+        &self.options
     }
 }
 
@@ -185,7 +212,7 @@ impl<T> Held<'_, T> {
 #[pyclass(frozen, name = "Environments")]
 pub struct PyEnvironments {
     environments: Owned<Environments>,
-    options: Options,
+    options: PyOptions,
 }
 
 #[pymethods]
@@ -199,15 +226,15 @@ impl PyEnvironments {
         threads: usize,
         autoreset: bool,
     ) -> PyResult<Self> {
-        let options = options.options.clone();
+        let options = options.clone();
         let after_end = if autoreset {
             AfterEnd::Reset
         } else {
             AfterEnd::Wait
         };
         let environments = py.detach(|| {
-            let world = World::new(suite_named(&suite)?, &options)?;
-            Environments::new(&world, &options, count, threads, after_end)
+            let world = World::new(suite_named(&suite)?, &options.options)?;
+            Environments::new(&world, &options.options, count, threads, after_end)
         });
         Ok(Self {
             environments: Owned::new(environments.map_err(|error| of_environment(&error))?),
@@ -350,7 +377,7 @@ type Stepped<'py> = (
 
 fn stepped<'py>(
     py: Python<'py>,
-    options: &Options,
+    options: &PyOptions,
     steps: Vec<ResettingStep>,
 ) -> PyResult<Stepped<'py>> {
     let column = |flag: fn(&ResettingStep) -> bool| steps.iter().map(flag).collect::<Vec<bool>>();
@@ -395,12 +422,12 @@ fn rows(actions: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<[f64; 3]>> {
 }
 
 /// Observations as arrays with a row for each.
-fn arrays<'py>(
+pub fn arrays<'py>(
     py: Python<'py>,
-    options: &Options,
+    options: &PyOptions,
     observations: &[Observation],
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (observe, count) = (&options.observe, observations.len());
+    let (observe, count) = (&options.options.observe, observations.len());
     let dict = PyDict::new(py);
     if observe.image {
         dict.set_item("image", images(py, observations)?)?;
@@ -433,7 +460,7 @@ fn arrays<'py>(
         let speeds = joined(observations, |observation| &observation.wheels);
         dict.set_item("wheels", speeds.into_pyarray(py).reshape([count, 2])?)?;
     }
-    if observe.pose.is_some() {
+    if options.shows_pose {
         let pose = |observation: &Observation| {
             let pose = observation.pose.unwrap_or_default();
             [pose.x, pose.y, pose.yaw]
@@ -447,11 +474,11 @@ fn arrays<'py>(
         };
         let healths: Vec<i64> = observations.iter().map(health).collect();
         dict.set_item("health", healths.into_pyarray(py))?;
-        if options.goal == GoalKind::Point {
-            let goal = |observation: &Observation| observation.goal.unwrap_or_default();
-            let goals: Vec<f32> = observations.iter().flat_map(goal).collect();
-            dict.set_item("goal", goals.into_pyarray(py).reshape([count, 2])?)?;
-        }
+    }
+    if options.shows_goal {
+        let goal = |observation: &Observation| observation.goal.unwrap_or_default();
+        let goals: Vec<f32> = observations.iter().flat_map(goal).collect();
+        dict.set_item("goal", goals.into_pyarray(py).reshape([count, 2])?)?;
     }
     Ok(dict)
 }

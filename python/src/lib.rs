@@ -5,9 +5,13 @@
 //! | `policy` | `PolicyEnd`: the end of a connection at which a policy in Python sits |
 //! | `evaluation` | runs suites with policies of this process |
 //! | `environment` | environments for learners |
+//! | `adapter` | what a policy sees and does in a run, as in an environment |
+//! | `arrays` | points and poses from and to arrays |
 //! | `parts` | maps, costmaps, planners and odometry |
 //! | `errors` | exceptions by kind |
 
+mod adapter;
+mod arrays;
 mod environment;
 mod errors;
 mod evaluation;
@@ -40,6 +44,7 @@ fn _openbench(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<evaluation::Run>()?;
     module.add_class::<environment::PyOptions>()?;
     module.add_class::<environment::PyEnvironments>()?;
+    module.add_class::<adapter::PyAdapter>()?;
     parts::add(module)?;
     errors::add(module)
 }

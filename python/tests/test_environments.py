@@ -44,6 +44,23 @@ def test_each_observation_is_in_its_space() -> None:
     assert info["open_address"].startswith("unit")
 
 
+def test_fewer_rays_give_fewer_points_of_the_same_scan_and_are_named() -> None:
+    def last(one_firing_in: int) -> tuple[Any, Any]:
+        env = DeliveryEnv(
+            "small", observations=("points",), one_firing_in=one_firing_in, time_limit=0.5
+        )
+        env.reset(seed=1)
+        while True:
+            observation, _, terminated, truncated, info = env.step(np.zeros(3))
+            if terminated or truncated:
+                return observation["points"][: observation["point_count"]], info
+
+    (whole, _), (part, info) = last(1), last(8)
+    assert len(whole) > 1_000 and 7 * len(part) < len(whole) < 9 * len(part)
+    assert {tuple(point) for point in part} <= {tuple(point) for point in whole}
+    assert info["one_firing_in"] == 8
+
+
 def test_the_same_seed_gives_the_same_episode() -> None:
     def drive(seed: int) -> list[Any]:
         env = gym.make("openbench/PointGoal-v0")
@@ -142,6 +159,9 @@ def test_a_wrong_action_is_an_error_and_the_episode_goes_on(action: Any, problem
     [
         {"observations": ["lidar"]},
         {"goal": "home"},
+        {"observations": ["goal"]},
+        {"one_firing_in": 0},
+        {"one_firing_in": 101},
         {"pose": "gps"},
         {"rewards": {"speed": 1.0}},
         {"steps": 0},

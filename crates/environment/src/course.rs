@@ -10,62 +10,51 @@ use crate::options::Actions;
 /// A waypoint is reached within this distance, at any heading, metres.
 const REACHED_M: f64 = 0.05;
 
-/// What turns waypoints into velocities; `None` where actions are velocities.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Tracker(Option<Follower>);
-
 /// What the robot drives during an action.
-pub(crate) struct Course<'a> {
-    tracker: &'a mut Tracker,
-    /// In `map`.
+#[derive(Debug, Clone)]
+pub(crate) struct Course {
+    /// What turns waypoints into velocities; `None` where actions are velocities.
+    tracker: Option<Follower>,
+    /// To the waypoint of the last action, in `map`.
     path: [MapPoint; 2],
     velocity: Velocity,
 }
 
-impl Tracker {
-    /// For a robot and what actions are.
+impl Course {
+    /// Stands, until an action begins.
     pub(crate) fn new(
         actions: Actions,
         robot: &RobotDescription,
     ) -> Result<Self, EnvironmentError> {
-        if actions == Actions::Velocity {
-            return Ok(Self(None));
-        }
-        let tolerance = Tolerance {
-            distance: REACHED_M,
-            yaw: std::f64::consts::PI,
+        let tracker = match actions {
+            Actions::Velocity => None,
+            Actions::Waypoint => Some(tracker(robot)?),
         };
-        let follower = Follower::new(robot.clone()).map_err(|error| EnvironmentError::Option {
-            option: "actions",
-            problem: error.to_string(),
-        })?;
-        Ok(Self(Some(follower.with_tolerance(tolerance))))
+        Ok(Self {
+            tracker,
+            path: [MapPoint::default(); 2],
+            velocity: Velocity::ZERO,
+        })
     }
 
-    /// The course of an action that begins at the pose where the robot takes itself to be.
-    pub(crate) fn course(&mut self, action: [f64; 2], pose: Option<Pose2>) -> Course<'_> {
+    /// Begins an action at the pose where the robot takes itself to be.
+    pub(crate) fn begin(&mut self, action: [f64; 2], pose: Pose2) {
         let [first, second] = action;
-        let pose = pose.unwrap_or_default();
-        Course {
-            path: [pose.point(), pose.transform(first, second)],
-            velocity: match self.0 {
-                Some(_) => Velocity::ZERO,
-                None => Velocity::new(first, second),
-            },
-            tracker: self,
-        }
+        self.path = [pose.point(), pose.transform(first, second)];
+        self.velocity = match self.tracker {
+            Some(_) => Velocity::ZERO,
+            None => Velocity::new(first, second),
+        };
     }
-}
 
-impl Course<'_> {
     /// The velocity of the next step.
-    pub(crate) fn velocity(&mut self, time: SimTime, pose: Option<Pose2>) -> Velocity {
-        let Some(follower) = &mut self.tracker.0 else {
+    pub(crate) fn velocity(&mut self, time: SimTime, pose: Pose2) -> Velocity {
+        let Some(follower) = &mut self.tracker else {
             return self.velocity;
         };
         let situation = Situation {
             time,
-            pose: pose.unwrap_or_default(),
+            pose,
             velocity: self.velocity,
             path: &self.path,
             final_yaw: None,
@@ -79,6 +68,18 @@ impl Course<'_> {
     }
 }
 
+fn tracker(robot: &RobotDescription) -> Result<Follower, EnvironmentError> {
+    let tolerance = Tolerance {
+        distance: REACHED_M,
+        yaw: std::f64::consts::PI,
+    };
+    let follower = Follower::new(robot.clone()).map_err(|error| EnvironmentError::Option {
+        option: "actions",
+        problem: error.to_string(),
+    })?;
+    Ok(follower.with_tolerance(tolerance))
+}
+
 #[cfg(test)]
 mod tests {
     use openbench_motion::kinematics::arc;
@@ -88,13 +89,13 @@ mod tests {
     #[test]
     fn a_waypoint_is_driven_to_and_waited_at() {
         let robot = RobotDescription::sentry();
-        let mut tracker = Tracker::new(Actions::Waypoint, &robot).unwrap();
+        let mut course = Course::new(Actions::Waypoint, &robot).unwrap();
         let mut pose = Pose2::new(10.0, -4.0, 2.0);
         let goal = pose.transform(1.0, 0.8);
-        let mut course = tracker.course([1.0, 0.8], Some(pose));
+        course.begin([1.0, 0.8], pose);
         let mut velocity = Velocity::ZERO;
         for step in 0..200 {
-            velocity = course.velocity(SimTime::from_millis(50 * step), Some(pose));
+            velocity = course.velocity(SimTime::from_millis(50 * step), pose);
             pose = arc(pose, velocity, 0.05);
         }
         assert_eq!(velocity, Velocity::ZERO);
@@ -104,10 +105,10 @@ mod tests {
     #[test]
     fn a_velocity_stays_what_it_is() {
         let robot = RobotDescription::sentry();
-        let mut tracker = Tracker::new(Actions::Velocity, &robot).unwrap();
-        let mut course = tracker.course([0.3, -0.2], None);
+        let mut course = Course::new(Actions::Velocity, &robot).unwrap();
+        course.begin([0.3, -0.2], Pose2::default());
         for step in 0..3 {
-            let velocity = course.velocity(SimTime::from_millis(50 * step), None);
+            let velocity = course.velocity(SimTime::from_millis(50 * step), Pose2::default());
             assert_eq!(velocity, Velocity::new(0.3, -0.2));
         }
     }

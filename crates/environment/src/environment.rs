@@ -8,21 +8,18 @@ use openbench_bench::score::results::DeliveryResult;
 use openbench_bench::worlds::PreparedEpisode;
 use openbench_bench::{Rollout, Status};
 use openbench_core::{
-    Action, Address, Briefing, Event, FailureCause, Goal, Image, ImuSample, LidarScan, Pose2,
-    PoseEstimate, SimTime, Velocity,
+    Action, Address, Briefing, Event, FailureCause, Goal, Image, Pose2, SimTime, Velocity,
 };
-use openbench_localization::wheels::Wheels;
-use openbench_localization::{DeadReckoning, LidarInertial, Localizer};
 use openbench_sim::{ImageSize, View};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
+use crate::adapter::Adapter;
 use crate::beginning;
-use crate::course::Tracker;
 use crate::error::EnvironmentError;
-use crate::observation::{self, IMU_SAMPLES, Observation};
-use crate::options::{Declaration, Options, PoseSource};
+use crate::observation::Observation;
+use crate::options::{Declaration, Options};
 use crate::progress::WayField;
 use crate::world::World;
 
@@ -70,8 +67,7 @@ struct Running {
     rollout: Rollout<'static>,
     number: usize,
     episode: PreparedEpisode,
-    sensed: Sensed,
-    tracker: Tracker,
+    adapter: Adapter,
     field: Option<Arc<WayField>>,
     /// Length of the way that was left after the last step, metres.
     left_m: Option<f64>,
@@ -80,16 +76,6 @@ struct Running {
     target: Option<usize>,
     /// Until when it was rewarded.
     rewarded: SimTime,
-}
-
-/// What was sensed last.
-struct Sensed {
-    localizer: Option<Box<dyn Localizer + Send>>,
-    scan: Option<LidarScan>,
-    image: Option<Arc<Image>>,
-    imu: Vec<ImuSample>,
-    wheels: Wheels,
-    speeds: [f32; 2],
 }
 
 impl Environment {
@@ -137,7 +123,7 @@ impl Environment {
         let number = episode.unwrap_or(drawn);
         let mut running = self.begin(number)?;
         running.settle(&self.options);
-        let observation = running.observation(&self.options);
+        let observation = running.adapter.observation();
         self.episode = Some(running);
         Ok(observation)
     }
@@ -155,7 +141,7 @@ impl Environment {
         let mut running = self.episode.take().ok_or(EnvironmentError::NoEpisode)?;
         running.act(action, &self.options);
         let mut step = Step {
-            observation: running.observation(&self.options),
+            observation: running.adapter.observation(),
             reward: running.reward(&self.options, &self.world),
             terminated: false,
             truncated: false,
@@ -223,14 +209,19 @@ impl Environment {
             episode.time_limit = Duration::from_secs_f64(seconds);
         }
         let rollout = Rollout::of(prepared, episode.clone(), self.random.random())?;
-        let sensed = Sensed::new(&self.options, rollout.briefing());
-        let tracker = Tracker::new(self.options.actions, &rollout.briefing().robot)?;
+        let Briefing {
+            robot, start, goal, ..
+        } = rollout.briefing();
+        let point = match goal {
+            Goal::Point(point) => Some(*point),
+            Goal::Instruction(_) | Goal::Image(_) => None,
+        };
+        let adapter = Adapter::new(&self.options, robot, *start, point)?;
         let mut running = Running {
             rollout,
             number,
             episode,
-            sensed,
-            tracker,
+            adapter,
             field: None,
             left_m: None,
             contact_s: 0.0,
@@ -245,17 +236,16 @@ impl Environment {
 impl Running {
     /// Lets the robot stand until there is something to see, and its localizer is ready.
     fn settle(&mut self, options: &Options) {
-        let waits = |sensed: &Sensed| {
-            let is_blind = options.observe.sees_scans() && sensed.scan.is_none();
-            is_blind || !sensed.is_ready(options)
-        };
-        while waits(&self.sensed)
-            && self.rollout.observation().time < LONGEST_SETTLING
+        self.rollout.set_scanning(options.observe.scanning(0));
+        let mut time = self.rollout.observation().time;
+        while !self.adapter.is_ready(time)
+            && time < LONGEST_SETTLING
             && self.rollout.status() == Status::Running
         {
-            self.advance(Action::Drive(Velocity::ZERO), options);
+            self.advance(Action::Drive(Velocity::ZERO));
+            time = self.rollout.observation().time;
         }
-        self.sensed.look(&self.rollout, options);
+        self.adapter.look(&self.rollout.observation());
         // The policy is rewarded for what follows.
         self.left_m = self.way_left();
         self.contact_s = self.contact_time();
@@ -266,32 +256,30 @@ impl Running {
         let [first, second, declares] = action;
         let by_policy = options.declaration == Declaration::Policy && declares > 0.5;
         if by_policy {
-            self.declare(options);
+            self.declare();
         } else {
-            // Lent out, since each step changes the rest.
-            let mut tracker = std::mem::take(&mut self.tracker);
-            let mut course = tracker.course([first, second], self.sensed.pose());
-            for _ in 0..options.steps_per_action {
+            self.adapter.begin([first, second]);
+            for left in (0..options.steps_per_action).rev() {
+                self.rollout.set_scanning(options.observe.scanning(left));
                 let now = self.rollout.observation().time;
-                let velocity = course.velocity(now, self.sensed.pose());
-                self.advance(Action::Drive(velocity), options);
+                let velocity = self.adapter.velocity(now);
+                self.advance(Action::Drive(velocity));
                 if self.rollout.status() == Status::Ended {
                     break;
                 }
             }
-            self.tracker = tracker;
             if self.has_arrived(options.declaration) {
-                self.declare(options);
+                self.declare();
             }
         }
-        self.sensed.look(&self.rollout, options);
+        self.adapter.look(&self.rollout.observation());
     }
 
     /// Declares the delivery that is open.
-    fn declare(&mut self, options: &Options) {
+    fn declare(&mut self) {
         let address = self.rollout.open_addresses().next().cloned();
         if let Some(address) = address {
-            self.advance(Action::Delivered(address), options);
+            self.advance(Action::Delivered(address));
         }
     }
 
@@ -304,10 +292,10 @@ impl Running {
         left.is_some_and(|left| left <= radius)
     }
 
-    fn advance(&mut self, action: Action, options: &Options) {
+    fn advance(&mut self, action: Action) {
         self.rollout.step(action);
-        self.sensed.take(&self.rollout, options);
-        if let Some(estimate) = self.sensed.estimate() {
+        self.adapter.take(&self.rollout.observation());
+        if let Some(estimate) = self.adapter.estimate() {
             self.rollout.record(Event::PoseEstimate(estimate));
         }
     }
@@ -382,39 +370,6 @@ impl Running {
         rewards.progress * progress + rewards.contact * touched + rewards.time * seconds
     }
 
-    fn observation(&self, options: &Options) -> Observation {
-        let (sensed, observe) = (&self.sensed, &options.observe);
-        let estimate = sensed.estimate();
-        let goal = match (&self.rollout.briefing().goal, estimate) {
-            (Goal::Point(point), Some(estimate)) => {
-                Some(observation::seen_from(estimate.pose, *point))
-            }
-            _ => None,
-        };
-        let scan = sensed.scan.as_ref();
-        let imu_rows = IMU_SAMPLES * options.steps_per_action as usize;
-        Observation {
-            image: sensed.image.clone(),
-            points: scan
-                .filter(|_| observe.points)
-                .map(observation::points_of)
-                .unwrap_or_default(),
-            range_image: observe
-                .range_image
-                .map(|size| observation::range_image_of(scan, size))
-                .unwrap_or_default(),
-            imu: if observe.imu {
-                observation::imu_of(&sensed.imu, imu_rows)
-            } else {
-                Vec::new()
-            },
-            wheels: sensed.speeds,
-            pose: estimate.map(|estimate| estimate.pose),
-            health: estimate.map(|estimate| estimate.health).unwrap_or_default(),
-            goal,
-        }
-    }
-
     /// The scores of an episode that has ended.
     fn outcome(self, world: &World) -> Result<Outcome, EnvironmentError> {
         let trace = self.rollout.finish(None)?;
@@ -434,81 +389,5 @@ impl Outcome {
         self.deliveries
             .iter()
             .any(|delivery| delivery.failure == timeout)
-    }
-}
-
-impl Sensed {
-    fn new(options: &Options, briefing: &Briefing) -> Self {
-        let robot = briefing.robot.clone();
-        let mut localizer: Option<Box<dyn Localizer + Send>> = match options.observe.pose {
-            None => None,
-            Some(PoseSource::Wheels) => Some(Box::new(DeadReckoning::new(robot))),
-            Some(PoseSource::Odometry) => Some(Box::new(LidarInertial::new(robot))),
-        };
-        if let Some(localizer) = &mut localizer {
-            localizer.reset(briefing.start);
-        }
-        Self {
-            localizer,
-            scan: None,
-            image: None,
-            imu: Vec::new(),
-            wheels: Wheels::new(&briefing.robot),
-            speeds: [0.0; 2],
-        }
-    }
-
-    /// Takes in what was sensed during a step.
-    fn take(&mut self, rollout: &Rollout<'_>, options: &Options) {
-        let observation = rollout.observation();
-        if let Some(localizer) = &mut self.localizer {
-            localizer.update(&observation);
-        }
-        if options.observe.sees_scans()
-            && let Some(scan) = observation.scan
-        {
-            // Into the memory of the last one.
-            self.scan.get_or_insert_default().clone_from(scan);
-        }
-        if options.observe.imu {
-            self.imu.extend_from_slice(observation.imu);
-            let kept = IMU_SAMPLES * options.steps_per_action as usize;
-            self.imu.drain(..self.imu.len().saturating_sub(kept));
-        }
-        for sample in observation.wheels {
-            if let Some(speed) = self.wheels.take(sample) {
-                self.speeds = [speed.velocity.x as f32, speed.turn as f32];
-            }
-        }
-    }
-
-    /// Takes an image, if one is wanted and the camera has one.
-    fn look(&mut self, rollout: &Rollout<'_>, options: &Options) {
-        if options.observe.image
-            && let Some(image) = rollout.observation().camera.image()
-        {
-            self.image = Some(image);
-        }
-    }
-
-    /// Where the robot takes itself to be.
-    fn pose(&self) -> Option<Pose2> {
-        self.localizer.as_ref().map(|localizer| localizer.pose())
-    }
-
-    fn estimate(&self) -> Option<PoseEstimate> {
-        let localizer = self.localizer.as_ref()?;
-        Some(PoseEstimate {
-            pose: localizer.pose(),
-            health: localizer.health(),
-        })
-    }
-
-    /// Whether the localizer can be trusted. Wheels need a rest of four seconds for the last digits
-    /// of a heading, which short episodes do not need.
-    fn is_ready(&self, options: &Options) -> bool {
-        let is_odometry = options.observe.pose == Some(PoseSource::Odometry);
-        let localizer = self.localizer.as_ref().filter(|_| is_odometry);
-        localizer.is_none_or(|localizer| localizer.ready())
     }
 }

@@ -1,13 +1,20 @@
 //! What is observed, asked and rewarded.
 
+use std::num::NonZeroU32;
+
 use openbench_bench::suite::GoalKind;
+use openbench_sim::lidar::Scanning;
 
 use crate::error::EnvironmentError;
 
 /// Largest number of steps that an action lasts: ten seconds.
 const MOST_STEPS: u32 = 200;
+/// Steps from the end of a scan to that of the next.
+const STEPS_PER_SCAN: u32 = 2;
 /// Largest number of rows and columns of an image of distances.
 const MOST_PIXELS: usize = 1024;
+/// Fewest rays that are cast: of one firing in so many.
+const MOST_FIRINGS: u32 = 100;
 /// Largest distance of a start, metres.
 const FARTHEST_M: f64 = 1000.0;
 /// Longest time limit, seconds.
@@ -71,6 +78,9 @@ impl Options {
                 return refuse("range_image", "write 1 to 1024 rows and columns");
             }
         }
+        if self.observe.one_firing_in.get() > MOST_FIRINGS {
+            return refuse("one_firing_in", "write 1 to 100");
+        }
         if let Some(start) = self.start
             && !(0.0 <= start.least && start.least < start.largest && start.largest <= FARTHEST_M)
         {
@@ -113,6 +123,23 @@ impl Observe {
     pub(crate) fn sees_scans(&self) -> bool {
         self.points || self.range_image.is_some()
     }
+
+    /// Whether scans are observed, or odometry needs them.
+    pub fn needs_scans(&self) -> bool {
+        self.sees_scans() || self.pose == Some(PoseSource::Odometry)
+    }
+
+    /// What the LiDAR does during a step, after which the action has so many more. Of an action's
+    /// scans the last one is observed, and odometry needs all.
+    pub(crate) fn scanning(&self, steps_left: u32) -> Scanning {
+        let is_last = steps_left < STEPS_PER_SCAN;
+        let is_used = self.sees_scans() && is_last;
+        if is_used || self.pose == Some(PoseSource::Odometry) {
+            Scanning::OneFiringIn(self.one_firing_in)
+        } else {
+            Scanning::Off
+        }
+    }
 }
 
 impl Default for Options {
@@ -131,7 +158,7 @@ impl Default for Options {
 }
 
 /// The arrays of an observation. What is not asked for costs nothing.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Observe {
     /// The camera's image.
     pub image: bool,
@@ -139,12 +166,29 @@ pub struct Observe {
     pub points: bool,
     /// The last scan as an image of distances.
     pub range_image: Option<RangeImage>,
+    /// The rays of one firing in so many are cast; 1 is the real LiDAR. A coarse image of distances
+    /// needs few, and rays are most of the time of a step.
+    pub one_firing_in: NonZeroU32,
     /// The samples of the IMU since the last observation.
     pub imu: bool,
     /// Speeds from the wheels.
     pub wheels: bool,
     /// An estimate of the pose, by this means. A goal that is a point is seen from it.
     pub pose: Option<PoseSource>,
+}
+
+impl Default for Observe {
+    fn default() -> Self {
+        Self {
+            image: false,
+            points: false,
+            range_image: None,
+            one_firing_in: NonZeroU32::MIN,
+            imu: false,
+            wheels: false,
+            pose: None,
+        }
+    }
 }
 
 /// Size of an image of distances.

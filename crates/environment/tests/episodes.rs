@@ -1,12 +1,19 @@
 //! Environments over whole episodes.
 
+use std::num::NonZeroU32;
+
+use openbench_bench::Rollout;
 use openbench_bench::suite::GoalKind;
 use openbench_bench::worlds::suite_named;
-use openbench_core::{FailureCause, MapPoint, Pose2, frames::wrap_angle};
-use openbench_environment::{
-    Actions, Declaration, Environment, EnvironmentError, Observe, Options, PoseSource, RangeImage,
-    StartDistance, Step, World,
+use openbench_core::{
+    Action, Briefing, FailureCause, MapPoint, Pose2, Velocity, frames::wrap_angle,
 };
+use openbench_environment::{
+    Actions, Adapter, Declaration, Environment, EnvironmentError, Observe, Options, PoseSource,
+    RangeImage, StartDistance, Step, World,
+};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 fn environment(options: Options) -> Environment {
     let world = World::new(suite_named("small").unwrap(), &options).unwrap();
@@ -127,6 +134,65 @@ fn a_point_goal_is_seen_from_where_the_robot_takes_itself_to_be() {
         assert!(nearest.fold(f64::INFINITY, f64::min) < 0.1);
         assert_eq!(observation.range_image.len(), 8 * 120);
         assert_eq!(observation.imu.len(), 2 * 5 * 6);
+    }
+}
+
+#[test]
+fn an_adapter_in_a_run_sees_what_the_environment_shows() {
+    let mut options = Options {
+        start: None,
+        ..point_goal()
+    };
+    options.observe.one_firing_in = NonZeroU32::new(8).unwrap();
+    let mut environment = environment(options.clone());
+    let shown = environment.reset(Some(5), None).unwrap();
+    // As the environment draws the episode and the seed of its noise.
+    let mut random = Pcg64Mcg::seed_from_u64(5);
+    let world = environment.world().clone();
+    let prepared = world.prepared();
+    let episode = random.random_range(0..prepared.episodes.len());
+    let mut rollout = Rollout::new(prepared, episode, random.random()).unwrap();
+    let Briefing { robot, start, .. } = rollout.briefing();
+    let goal = prepared.point_goal(&prepared.episodes[episode]);
+    let mut adapter = Adapter::new(&options, robot, *start, goal).unwrap();
+    let drive = |rollout: &mut Rollout<'_>, adapter: &mut Adapter, velocity| {
+        rollout.step(Action::Drive(velocity));
+        adapter.take(&rollout.observation());
+    };
+    while !adapter.is_ready(rollout.observation().time) {
+        drive(&mut rollout, &mut adapter, Velocity::ZERO);
+    }
+    assert_eq!(adapter.observation(), shown);
+    for i in 0..20 {
+        let action = [0.3, 0.1 * f64::from(i % 5)];
+        adapter.begin(action);
+        for _ in 0..options.steps_per_action {
+            let velocity = adapter.velocity(rollout.observation().time);
+            drive(&mut rollout, &mut adapter, velocity);
+        }
+        let step = environment.step([action[0], action[1], 0.0]).unwrap();
+        assert_eq!(adapter.observation(), step.observation);
+    }
+}
+
+#[test]
+fn an_estimated_pose_follows_the_true_one_from_the_first_action() {
+    for seed in 0..4 {
+        let mut environment = environment(point_goal());
+        environment.reset(Some(seed), None).unwrap();
+        for step in 0..60 {
+            let turn = if step < 30 { 0.9 } else { -0.5 };
+            let observation = environment.step([0.2, turn, 0.0]).unwrap().observation;
+            let (estimated, (true_pose, _)) =
+                (observation.pose.unwrap(), environment.privileged().unwrap());
+            let off = estimated.point().distance(true_pose.point());
+            let turned_off = wrap_angle(estimated.yaw - true_pose.yaw).abs();
+            // A skid-steered robot drives a little less far than its wheels say.
+            assert!(
+                off < 0.2 && turned_off < 0.02,
+                "{estimated:?} {true_pose:?}"
+            );
+        }
     }
 }
 

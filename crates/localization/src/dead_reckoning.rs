@@ -19,6 +19,9 @@ use crate::history::{History, StampedPose};
 /// Rest of this length at the start shows the gyroscope's bias to 3e-5 rad/s: a degree in ten
 /// minutes.
 const SETTLE: Duration = Duration::from_millis(4000);
+/// A robot whose wheels have turned by this angle has set off, radians: six marks of the encoders,
+/// about a millimetre.
+const SET_OFF_RAD: f64 = 0.02;
 /// The robot rests once its wheels have rested for this time.
 const STANDING: Duration = Duration::from_millis(150);
 /// This many samples at the end of a halt may already be of the next motion.
@@ -80,6 +83,8 @@ pub struct DeadReckoning {
     /// Turn rates of the newest samples at rest, not yet learned from.
     resting: VecDeque<f64>,
     bias: GyroBias,
+    /// How far the wheels have turned, forwards or backwards, radians.
+    rolled: f64,
     ready: bool,
 }
 
@@ -102,6 +107,7 @@ impl DeadReckoning {
             moved: SimTime::ZERO,
             resting: VecDeque::new(),
             bias: GyroBias::unknown(),
+            rolled: 0.0,
             ready: false,
         }
     }
@@ -115,9 +121,10 @@ impl DeadReckoning {
         let forward = (left + right) / 2.0 * self.robot.wheel_radius;
         self.bias.predict(dt);
         self.learn_at_rest(imu, left != 0.0 || right != 0.0);
-        // Until the bias is known the robot should stand: what the gyroscope shows then is its
-        // bias.
-        let turned = if self.ready {
+        self.rolled += left.abs().max(right.abs());
+        // What the gyroscope shows before the robot sets off is its bias. A robot that sets off
+        // before its bias is well known turns all the same.
+        let turned = if self.ready || self.rolled > SET_OFF_RAD {
             (imu.gyro[2] - self.bias.mean) * dt
         } else {
             0.0
@@ -224,15 +231,20 @@ mod tests {
     impl Trial {
         /// Begins at a pose with four seconds of rest.
         fn new(start: Pose2) -> Self {
+            let mut trial = Self::at(start);
+            trial.drive(4.0, 0.0, 0.0);
+            trial
+        }
+
+        /// Begins at a pose.
+        fn at(start: Pose2) -> Self {
             let mut localizer = DeadReckoning::new(RobotDescription::sentry());
             localizer.reset(start);
-            let mut trial = Self {
+            Self {
                 localizer,
                 millis: 0,
                 wheel_angle: 0.0,
-            };
-            trial.drive(4.0, 0.0, 0.0);
-            trial
+            }
         }
 
         /// Drives for so many seconds; `speed` is the wheels', m/s, and `rate` the body's, rad/s.
@@ -272,6 +284,16 @@ mod tests {
             "{pose:?}"
         );
         assert!(wrap_angle(pose.yaw - 0.5).abs() < 0.01, "{pose:?}");
+    }
+
+    #[test]
+    fn a_robot_that_sets_off_early_turns_by_what_it_knows_of_the_bias() {
+        let mut trial = Trial::at(Pose2::default());
+        trial.drive(0.5, 0.0, 0.0);
+        assert!(!trial.localizer.ready());
+        trial.drive(2.0, 0.3, 0.4);
+        let yaw = trial.localizer.pose().yaw;
+        assert!((yaw - 0.8).abs() < 0.02, "{yaw}");
     }
 
     #[test]

@@ -52,6 +52,11 @@ impl Noise {
         (-2.0 * libm::log(u)).sqrt() * libm::cos(std::f64::consts::TAU * v)
     }
 
+    /// Leaves out so many draws of the generator.
+    pub(crate) fn skip(&mut self, draws: u64) {
+        self.generator.advance(draws);
+    }
+
     /// Two numbers from one draw: for many samples of small weight.
     #[inline(always)]
     pub(crate) fn quick(&mut self) -> QuickDraw {

@@ -20,7 +20,7 @@ use crate::error::SimError;
 use crate::gnss::{FIX_NS, Gnss};
 use crate::imu::{Imu, SAMPLE_NS};
 use crate::left_world::{LeftWorld, left_world};
-use crate::lidar::{Lidar, SCAN_NS};
+use crate::lidar::{Lidar, SCAN_NS, Scanning};
 use crate::noise::Noise;
 use crate::physics::Physics;
 use crate::stage::Stage;
@@ -46,6 +46,7 @@ pub struct Simulator {
     imu: Imu,
     encoders: Encoders,
     lidar: Lidar,
+    scanning: Scanning,
     /// Poses of the LiDAR in `map` since the present scan began, one for each physics step.
     lidar_path: Vec<Pose3>,
     crowd: Option<Crowd>,
@@ -88,6 +89,7 @@ impl Simulator {
             imu,
             encoders: Encoders::default(),
             lidar,
+            scanning: Scanning::default(),
             crowd: None,
             watch,
             movers: Arc::default(),
@@ -145,6 +147,12 @@ impl Simulator {
             start,
             seed,
         ))
+    }
+
+    /// Sets how much of the LiDAR's scans is cast from now on. The hash over all states and sensor
+    /// data depends on it.
+    pub fn set_scanning(&mut self, scanning: Scanning) {
+        self.scanning = scanning;
     }
 
     /// Drives with `velocity` until the next observation, 50 ms later.
@@ -288,10 +296,15 @@ impl Simulator {
     }
 
     fn take_scan(&mut self) {
-        let began = SimTime(self.time.0 - SCAN_NS);
-        // Scans end where steps end, and the movers already have the places of that instant.
-        let seen = self.stage.snapshot(&self.movers);
-        self.scan = Some(self.lidar.scan(seen, began, &self.lidar_path));
+        if let Scanning::OneFiringIn(stride) = self.scanning {
+            let began = SimTime(self.time.0 - SCAN_NS);
+            // Scans end where steps end, and the movers already have the places of that instant.
+            let seen = self.stage.snapshot(&self.movers);
+            let scan = self.lidar.scan(seen, began, &self.lidar_path, stride);
+            self.scan = Some(scan);
+        } else {
+            self.lidar.skip();
+        }
         // The next scan begins at the last pose of this one.
         self.lidar_path.drain(..self.lidar_path.len() - 1);
     }

@@ -10,7 +10,7 @@ use openbench_routing::{MapRouter, Profile, Router, RouterTimes};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::arrays::{Matrix, Rows, point_of, points_of, to_array};
+use crate::arrays::{Matrix, Rows, point_of, points_of, to_array};
 use crate::errors::{InputError, PlanningError};
 
 /// Longest file of a map, bytes.

@@ -2,12 +2,10 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | `arrays` | points and poses from and to arrays |
 //! | `map` | `Map`: buildings, addresses, routes and plans |
 //! | `motion` | `Costmap`, `Obstacle`, `LocalPlanner` |
 //! | `odometry` | `Odometry`, `Estimate` |
 
-mod arrays;
 mod map;
 mod motion;
 mod odometry;

@@ -13,8 +13,8 @@ use openbench_motion::{
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::arrays::{Matrix, Rows, point_of, points_of, rows_of, to_array};
 use super::map::Map;
+use crate::arrays::{Matrix, Rows, point_of, points_of, rows_of, to_array};
 use crate::errors::{InputError, PlanningError};
 
 /// The ground with the cost of driving over it.

@@ -11,7 +11,7 @@ use openbench_localization::lio::{Estimate, LidarInertialOdometry, Settings, Spe
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::arrays::{Matrix, Rows, rows_of};
+use crate::arrays::{Matrix, Rows, rows_of};
 
 /// How sensors have moved since the start.
 #[pyclass(frozen)]

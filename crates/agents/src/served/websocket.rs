@@ -1,7 +1,9 @@
 //! A WebSocket connection to a policy server, limited in time and length.
 
 use std::io::{self, Read, Write};
-use std::net::{TcpStream, ToSocketAddrs};
+use std::net::{IpAddr, SocketAddr, TcpStream, ToSocketAddrs};
+use std::sync::mpsc;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use tungstenite::protocol::WebSocketConfig;
@@ -142,7 +144,7 @@ fn unreachable(address: &Address, error: &impl std::fmt::Display) -> ServerError
 /// A connection with the first address of a host that answers.
 fn first_that_answers(address: &Address, until: Instant) -> io::Result<TcpStream> {
     let mut last = None;
-    for socket in (address.host.as_str(), address.port).to_socket_addrs()? {
+    for socket in looked_up(address, until)? {
         let left = until.saturating_duration_since(Instant::now());
         match TcpStream::connect_timeout(&socket, left.max(LEAST_WAIT)) {
             Ok(stream) => {
@@ -154,6 +156,28 @@ fn first_that_answers(address: &Address, until: Instant) -> io::Result<TcpStream
         }
     }
     Err(last.unwrap_or_else(|| io::ErrorKind::AddrNotAvailable.into()))
+}
+
+/// The addresses of a host. The system's lookup has no limit in time, so that it gets a thread,
+/// which is left alone when it is late.
+fn looked_up(address: &Address, until: Instant) -> io::Result<Vec<SocketAddr>> {
+    if let Ok(ip) = address.host.parse::<IpAddr>() {
+        return Ok(vec![SocketAddr::new(ip, address.port)]);
+    }
+    let (sender, receiver) = mpsc::channel();
+    let (host, port) = (address.host.clone(), address.port);
+    thread::Builder::new()
+        .name("lookup".to_owned())
+        .spawn(move || {
+            let found = (host.as_str(), port).to_socket_addrs();
+            // Nobody waits any more after the time limit.
+            let _ = sender.send(found.map(Iterator::collect));
+        })?;
+    let left = until.saturating_duration_since(Instant::now());
+    receiver.recv_timeout(left).unwrap_or_else(|_| {
+        let problem = "the name of the host was not found in time";
+        Err(io::Error::new(io::ErrorKind::TimedOut, problem))
+    })
 }
 
 /// A stream whose reads and writes end at an instant, however slowly bytes trickle in.

@@ -13,6 +13,7 @@ use openbench_core::{
     Observation, Pose2, SimTime, Velocity,
 };
 use openbench_scene::SemanticClass;
+use openbench_sim::lidar::Scanning;
 use openbench_sim::traffic::Encounters;
 use openbench_sim::{OBSERVATION_NS, Simulator};
 
@@ -141,6 +142,12 @@ impl<'o> Rollout<'o> {
         } else {
             Status::Running
         }
+    }
+
+    /// Sets how much of the LiDAR's scans is cast from now on, for training. Only a run with the
+    /// default can be verified.
+    pub fn set_scanning(&mut self, scanning: Scanning) {
+        self.simulator.set_scanning(scanning);
     }
 
     /// Records an event that the agent reports.

@@ -13,6 +13,8 @@ mod order;
 mod pattern;
 mod returns;
 
+use std::num::NonZeroU32;
+
 use openbench_core::{LidarPoint, LidarScan, Pose3, SimTime};
 use openbench_scene::bvh::{Kernel, LANES, MISS, PacketHits, widest};
 use openbench_scene::{RayPacket, Snapshot, TriangleBvh};
@@ -28,8 +30,31 @@ pub use returns::{MAX_RANGE_M, MIN_RANGE_M};
 
 /// Rays in a scan.
 pub const RAYS_PER_SCAN: usize = 20_000;
+/// Firings in a scan.
+const FIRINGS_PER_SCAN: u64 = (RAYS_PER_SCAN / LINES) as u64;
 /// Duration of a scan, nanoseconds.
 pub(crate) const SCAN_NS: u64 = 100_000_000;
+
+/// How much of a scan is cast. What is left out changes neither the rest of the scan nor the scans
+/// that follow: each ray keeps its direction and its noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scanning {
+    /// The four rays of one firing in so many, beginning with the first.
+    OneFiringIn(NonZeroU32),
+    /// Nothing: there is no scan.
+    Off,
+}
+
+impl Default for Scanning {
+    fn default() -> Self {
+        Self::OneFiringIn(NonZeroU32::MIN)
+    }
+}
+
+/// Whether a scan of one firing in `stride` has a point of a whole scan.
+pub fn is_of_one_firing_in(point: &LidarPoint, stride: NonZeroU32) -> bool {
+    (point.offset_ns / FIRING_NS as u32).is_multiple_of(stride.get())
+}
 
 /// The sensor.
 #[derive(Debug)]
@@ -59,16 +84,30 @@ impl Lidar {
     }
 
     /// The scan that began at `stamp` and ends at the snapshot's instant. `poses` are those of the
-    /// sensor in `map` at equal times from the scan's first instant to its last; at least two.
-    pub fn scan(&mut self, seen: Snapshot<'_>, stamp: SimTime, poses: &[Pose3]) -> LidarScan {
+    /// sensor in `map` at equal times from the scan's first instant to its last; at least two. The
+    /// rays of one firing in `stride` are cast.
+    pub fn scan(
+        &mut self,
+        seen: Snapshot<'_>,
+        stamp: SimTime,
+        poses: &[Pose3],
+        stride: NonZeroU32,
+    ) -> LidarScan {
         LidarScan {
             stamp,
             points: widest(Scan {
                 lidar: self,
                 seen,
                 poses,
+                stride: stride.get() as usize,
             }),
         }
+    }
+
+    /// Leaves the next scan out.
+    pub fn skip(&mut self) {
+        self.fired += FIRINGS_PER_SCAN;
+        self.noise.skip(RAYS_PER_SCAN as u64);
     }
 
     /// True ranges of the next scan's rays in the order of firing, metres; 0 where nothing is hit.
@@ -86,7 +125,7 @@ impl Lidar {
 
     /// Sets the directions of the next scan's rays, and the order in which they are cast.
     #[inline(always)]
-    fn aim(&mut self) {
+    fn aim(&mut self, stride: usize) {
         self.order.clear();
         for (i, aims) in self.aims.chunks_mut(LINES * VOLLEY).enumerate() {
             let volley = self.pattern.volley(self.fired + (VOLLEY * i) as u64);
@@ -94,17 +133,20 @@ impl Lidar {
             aims.copy_from_slice(&volley.as_flattened()[..aims.len()]);
             self.order.note(LINES * VOLLEY * i, aims);
         }
-        self.fired += (RAYS_PER_SCAN / LINES) as u64;
-        self.order.sort();
+        self.fired += FIRINGS_PER_SCAN;
+        self.order.sort(stride);
     }
 
     #[inline(always)]
     fn cast(&mut self, seen: Snapshot<'_>, poses: &[Pose3]) {
         self.launch.set(&self.aims, poses);
-        // A scan is a whole number of packets.
+        if self.order.rays.len() < self.echoes.len() {
+            // Those that are not cast hit nothing.
+            self.echoes.fill(Echo::NONE);
+        }
         for block in self.order.rays.chunks(BLOCK) {
             let mut met = BlockHits::none();
-            for (packet, group) in block.chunks_exact(LANES).enumerate() {
+            for (packet, group) in block.chunks(LANES).enumerate() {
                 let rays = self.packet(group);
                 let mut lags = [0.0; LANES];
                 for (lag, ray) in lags.iter_mut().zip(group) {
@@ -164,11 +206,12 @@ impl Lidar {
     }
 }
 
-/// A whole scan.
+/// A scan.
 struct Scan<'a> {
     lidar: &'a mut Lidar,
     seen: Snapshot<'a>,
     poses: &'a [Pose3],
+    stride: usize,
 }
 
 impl Kernel for Scan<'_> {
@@ -176,7 +219,7 @@ impl Kernel for Scan<'_> {
 
     #[inline(always)]
     fn run(self) -> Vec<LidarPoint> {
-        self.lidar.aim();
+        self.lidar.aim(self.stride);
         self.lidar.cast(self.seen, self.poses);
         self.lidar.measure()
     }
@@ -195,7 +238,7 @@ impl Kernel for Ranges<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.lidar.aim();
+        self.lidar.aim(1);
         self.lidar.launch.set(&self.lidar.aims, self.poses);
         for group in self.lidar.order.rays.chunks_exact(LANES) {
             // The tree alone, without surfaces and movers: that is what other ray casters are
@@ -282,14 +325,19 @@ mod tests {
     use std::sync::Arc;
 
     fn scan(lidar: &mut Lidar, caster: &RayCaster, poses: &[Pose3]) -> LidarScan {
-        lidar.scan(
-            Snapshot {
-                caster,
-                movers: &Movers::default(),
-            },
-            SimTime::ZERO,
-            poses,
-        )
+        strided_scan(lidar, caster, poses, 1)
+    }
+
+    fn strided_scan(
+        lidar: &mut Lidar,
+        caster: &RayCaster,
+        poses: &[Pose3],
+        stride: u32,
+    ) -> LidarScan {
+        let movers = &Movers::default();
+        let seen = Snapshot { caster, movers };
+        let stride = NonZeroU32::new(stride).unwrap();
+        lidar.scan(seen, SimTime::ZERO, poses, stride)
     }
 
     fn room(half: f64) -> RayCaster {
@@ -352,6 +400,35 @@ mod tests {
             let q = at * Point3::from(p.xyz.map(f64::from));
             assert!((q.x.abs().max(q.y.abs()) - 5.0).abs() < 0.15, "{q}");
         }
+    }
+
+    #[test]
+    fn a_scan_of_some_firings_is_that_part_of_the_whole_scan() {
+        let (caster, poses) = (room(5.0), [Pose3::identity(); 2]);
+        let mut whole = Lidar::new(Noise::new(1, 1));
+        let mut part = Lidar::new(Noise::new(1, 1));
+        // The stride of 7 leaves a packet that is not full, and comes between whole scans.
+        for stride in [1, 7, 8, 1] {
+            let mut expected = scan(&mut whole, &caster, &poses);
+            let one_in = NonZeroU32::new(stride).unwrap();
+            expected
+                .points
+                .retain(|point| is_of_one_firing_in(point, one_in));
+            let got = strided_scan(&mut part, &caster, &poses, stride);
+            assert!(got.points.len() > RAYS_PER_SCAN * 9 / 10 / stride as usize);
+            assert_eq!(got, expected, "{stride}");
+        }
+    }
+
+    #[test]
+    fn a_scan_that_is_left_out_does_not_change_the_next() {
+        let (caster, poses) = (room(5.0), [Pose3::identity(); 2]);
+        let mut all = Lidar::new(Noise::new(1, 1));
+        let mut second = Lidar::new(Noise::new(1, 1));
+        scan(&mut all, &caster, &poses);
+        second.skip();
+        let next = scan(&mut second, &caster, &poses);
+        assert_eq!(next, scan(&mut all, &caster, &poses));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The order in which a scan's rays are cast: rays of similar direction make a packet.
 
-use super::pattern::Aim;
+use super::pattern::{Aim, LINES};
 
 /// Buckets round the azimuth and along the elevation: 5 by 4 degrees, with a packet's sixteen rays
 /// or so in each.
@@ -48,9 +48,10 @@ impl CastingOrder {
         }
     }
 
-    /// Sorts the rays, after all directions have been noted.
+    /// Sorts the rays of every `stride`th firing, after all directions have been noted.
     #[inline(always)]
-    pub(super) fn sort(&mut self) {
+    pub(super) fn sort(&mut self, stride: usize) {
+        self.rays.resize(self.buckets.len(), 0);
         // The counts stand one place too far right, so their running sums are where buckets begin.
         for bucket in 0..BUCKETS {
             self.begins[bucket + 1] += self.begins[bucket];
@@ -62,7 +63,16 @@ impl CastingOrder {
             self.rays[*place as usize] = ray as u32;
             *place += 1;
         }
+        if stride > 1 {
+            self.rays.retain(|ray| firing(*ray).is_multiple_of(stride));
+        }
     }
+}
+
+/// The firing of a ray.
+#[inline(always)]
+fn firing(ray: u32) -> usize {
+    ray as usize / LINES
 }
 
 #[inline(always)]
@@ -94,7 +104,7 @@ mod tests {
         order.clear();
         order.note(0, &[aim(0.9), aim(0.1)]);
         order.note(2, &[aim(0.9), aim(0.5)]);
-        order.sort();
+        order.sort(1);
         assert_eq!(order.rays, [1, 3, 0, 2]);
     }
 }

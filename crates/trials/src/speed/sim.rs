@@ -1,5 +1,6 @@
 //! Speed of the simulator: LiDAR rays, images, real-time factor.
 
+use std::num::NonZeroU32;
 use std::path::Path;
 use std::time::Instant;
 
@@ -196,7 +197,7 @@ fn lidar(seen: Snapshot<'_>, places: &[Pose2]) -> f64 {
     let time = fastest(REPETITIONS, || {
         for pose in &poses {
             // A path of two equal poses: the sensor stands still during the scan.
-            std::hint::black_box(lidar.scan(seen, SimTime::ZERO, &[*pose; 2]));
+            std::hint::black_box(lidar.scan(seen, SimTime::ZERO, &[*pose; 2], NonZeroU32::MIN));
         }
     });
     (RAYS_PER_SCAN * poses.len()) as f64 / time.as_secs_f64() / 1e6

@@ -6,16 +6,16 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// Rows of numbers: an array, or what can be made into one.
-pub(super) type Rows<'py> = PyArrayLike2<'py, f64, AllowTypeChange>;
+pub type Rows<'py> = PyArrayLike2<'py, f64, AllowTypeChange>;
 
 /// A matrix of Python.
-pub(super) type Matrix<'py> = Bound<'py, PyArray2<f64>>;
+pub type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 
 /// The rows of an array with so many columns.
 ///
 /// # Errors
 /// `ValueError` that names the argument.
-pub(super) fn rows_of<const N: usize>(rows: &Rows<'_>, name: &str) -> PyResult<Vec<[f64; N]>> {
+pub fn rows_of<const N: usize>(rows: &Rows<'_>, name: &str) -> PyResult<Vec<[f64; N]>> {
     let array = rows.as_array();
     if array.ncols() != N {
         return Err(PyValueError::new_err(format!(
@@ -31,7 +31,7 @@ pub(super) fn rows_of<const N: usize>(rows: &Rows<'_>, name: &str) -> PyResult<V
 ///
 /// # Errors
 /// `ValueError` that names the argument: another shape, or numbers that are not finite.
-pub(super) fn points_of(rows: &Rows<'_>, name: &str) -> PyResult<Vec<MapPoint>> {
+pub fn points_of(rows: &Rows<'_>, name: &str) -> PyResult<Vec<MapPoint>> {
     let rows = rows_of::<2>(rows, name)?;
     if !rows.iter().flatten().all(|number| number.is_finite()) {
         return Err(PyValueError::new_err(format!("{name}: NaN or infinity")));
@@ -43,7 +43,7 @@ pub(super) fn points_of(rows: &Rows<'_>, name: &str) -> PyResult<Vec<MapPoint>> 
 ///
 /// # Errors
 /// `ValueError` that names the argument, if they are not finite.
-pub(super) fn point_of((x, y): (f64, f64), name: &str) -> PyResult<MapPoint> {
+pub fn point_of((x, y): (f64, f64), name: &str) -> PyResult<MapPoint> {
     if x.is_finite() && y.is_finite() {
         Ok(MapPoint::new(x, y))
     } else {
@@ -52,7 +52,7 @@ pub(super) fn point_of((x, y): (f64, f64), name: &str) -> PyResult<MapPoint> {
 }
 
 /// Points as an array (n, 2).
-pub(super) fn to_array<'py>(py: Python<'py>, points: &[MapPoint]) -> PyResult<Matrix<'py>> {
+pub fn to_array<'py>(py: Python<'py>, points: &[MapPoint]) -> PyResult<Matrix<'py>> {
     let numbers: Vec<f64> = points.iter().flat_map(|point| [point.x, point.y]).collect();
     numbers.into_pyarray(py).reshape([points.len(), 2])
 }
