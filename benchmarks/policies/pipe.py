@@ -110,7 +110,8 @@ def keep(file: Path) -> None:
         content = receive(sys.stdin.buffer)
         if not content:
             return
-        file.write_bytes(content)
+        if "begin" in msgpack.unpackb(content):
+            file.write_bytes(content)
         refusal = {"address": None, "cause": "briefing", "detail": "kept"}
         send(sys.stdout.buffer, msgpack.packb({"refuse": refusal}))
 
@@ -128,7 +129,8 @@ def receive(stream: BinaryIO) -> bytes:
 def round_trips(file: Path, name: str, briefing: bytes) -> list[float]:
     """Milliseconds of each question."""
     child = Child(file, name)
-    assert "ready" in child.ask(briefing)
+    answer = child.ask(briefing)
+    assert "ready" in answer, answer
     times = []
     for step in range(QUESTIONS):
         question = act(step)

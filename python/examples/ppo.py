@@ -85,7 +85,9 @@ def main() -> None:
     # The callback ends it.
     model.learn(10**9, callback=Curve(folder / f"seed-{seed}.csv", minutes))
     model.save(folder / f"seed-{seed}.zip")
-    moments = {key: np.stack([rms.mean, rms.var]) for key, rms in env.obs_rms.items()}
+    moments: dict[str, Any] = {}
+    for key, rms in env.obs_rms.items():
+        moments[key] = np.stack([rms.mean, rms.var])
     np.savez(folder / f"seed-{seed}.npz", **moments)
 
 

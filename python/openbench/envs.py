@@ -256,7 +256,7 @@ class DeliveryEnv(gym.Env[Observations, Array]):
     one_firing_in: the LiDAR casts the four rays of one firing in so many, 1 to 100. Rays are most of
         the time of a step, and a coarse range image needs few; `info` names it beside the scores.
     pose: where poses come from: `wheels`, or `odometry` by LiDAR and IMU.
-    time_limit: simulated seconds after which an episode is truncated.
+    time_limit: simulated seconds from the first observation to truncation.
     privileged: whether `info` has the true pose and the length of the way that is left.
     """
 

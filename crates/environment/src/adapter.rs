@@ -139,8 +139,8 @@ impl Adapter {
         !is_blind && self.has_pose(time)
     }
 
-    /// Whether the localizer can be trusted at this time. Episodes that begin near their door do not
-    /// need the last digits of the heading, for which the gyroscope rests for four seconds.
+    /// Whether the localizer can be trusted at this time. Episodes that begin near their door do
+    /// not need the last digits of the heading, for which the gyroscope rests for four seconds.
     fn has_pose(&self, time: SimTime) -> bool {
         let Some(localizer) = &self.localizer else {
             return true;

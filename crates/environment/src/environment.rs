@@ -205,8 +205,9 @@ impl Environment {
             let start = beginning::draw(&self.world, &episode, distance, &mut self.random)?;
             episode = prepared.starting_at(start, episode);
         }
-        if let Some(seconds) = self.options.time_limit_s {
-            episode.time_limit = Duration::from_secs_f64(seconds);
+        if self.options.time_limit_s.is_some() {
+            // Until it has settled; then the limit begins.
+            episode.time_limit = Duration::MAX;
         }
         let rollout = Rollout::of(prepared, episode.clone(), self.random.random())?;
         let Briefing {
@@ -246,6 +247,10 @@ impl Running {
             time = self.rollout.observation().time;
         }
         self.adapter.look(&self.rollout.observation());
+        if let Some(seconds) = options.time_limit_s {
+            let limit = time.since(SimTime::ZERO) + Duration::from_secs_f64(seconds);
+            self.rollout.set_time_limit(limit);
+        }
         // The policy is rewarded for what follows.
         self.left_m = self.way_left();
         self.contact_s = self.contact_time();

@@ -55,7 +55,8 @@ pub struct Options {
     pub declaration: Declaration,
     /// What is rewarded.
     pub rewards: Rewards,
-    /// Simulated time after which an episode is truncated, seconds; `None` for the benchmark's.
+    /// Simulated time from the first observation after which an episode is truncated, seconds;
+    /// `None` for the benchmark's, which counts the rest at the beginning, too.
     pub time_limit_s: Option<f64>,
 }
 

@@ -213,3 +213,32 @@ impl Write for TimedStream {
         self.stream.flush()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::net::TcpListener;
+
+    use super::*;
+
+    const WITHIN: Duration = Duration::from_secs(5);
+
+    fn address(host: &str, port: u16) -> Address {
+        let text = format!("ws://{host}:{port}");
+        Address::parse(&text, "ws", "ws://127.0.0.1:8000").unwrap()
+    }
+
+    #[test]
+    fn hosts_are_found_by_number_and_by_name() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = listener.local_addr().unwrap().port();
+        for host in ["127.0.0.1", "localhost"] {
+            connect(&address(host, port), WITHIN).unwrap();
+        }
+    }
+
+    #[test]
+    fn a_host_that_nobody_knows_is_unreachable() {
+        let refused = connect(&address("no-such-host.invalid", 80), WITHIN);
+        assert!(matches!(refused, Err(ServerError::Unreachable { .. })));
+    }
+}

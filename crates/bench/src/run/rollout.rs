@@ -150,6 +150,11 @@ impl<'o> Rollout<'o> {
         self.simulator.set_scanning(scanning);
     }
 
+    /// Sets the simulated time at which the episode ends, for training.
+    pub fn set_time_limit(&mut self, limit: Duration) {
+        self.episode.time_limit = limit;
+    }
+
     /// Records an event that the agent reports.
     pub fn record(&mut self, event: Event) {
         let time = self.simulator.time();
