@@ -10,6 +10,8 @@ use super::link::{LinkError, MAX_FRAME_BYTES};
 
 /// Bytes of the length before a message.
 const LENGTH_BYTES: usize = 4;
+/// Room that is made for a message at once: an image of the camera needs no more.
+const EXPECTED_BYTES: usize = 1 << 20;
 /// Depth of nested values of a message.
 const MAX_DEPTH: usize = 32;
 
@@ -32,7 +34,7 @@ pub fn frame(message: &impl Serialize) -> Result<Vec<u8>, LinkError> {
 
 /// Reads a message; `None` at the end of the stream.
 ///
-/// Memory grows with what arrives, not with the length that is announced.
+/// Beyond a mebibyte memory grows with what arrives, not with the length that is announced.
 ///
 /// # Errors
 /// [`LinkError::TooLong`], [`LinkError::Unreadable`], or [`LinkError::Ended`] in the midst of a
@@ -48,7 +50,7 @@ pub fn read_frame<M: DeserializeOwned>(reader: &mut impl Read) -> Result<Option<
     if length > MAX_FRAME_BYTES {
         return Err(LinkError::TooLong { bytes: length });
     }
-    let mut body = Vec::new();
+    let mut body = Vec::with_capacity(length.min(EXPECTED_BYTES));
     reader.take(length as u64).read_to_end(&mut body)?;
     if body.len() < length {
         return Err(LinkError::ended("in the midst of a message"));
