@@ -324,16 +324,10 @@ class DeliveryEnv(gym.Env[Observations, Array]):
         return info
 
 
-def info_of(text: str) -> dict[str, Any]:
+def info_of(episode: tuple[str, str, float]) -> dict[str, Any]:
     """What is known of an episode: its instruction, open address and time."""
-    episode = json.loads(text)
-    address = episode["open_address"]
-    named = [address["unit"], address["building"]] if address else []
-    return {
-        "instruction": episode["instruction"] or "",
-        "open_address": ", ".join(part for part in named if part),
-        "time": episode["time"],
-    }
+    instruction, open_address, time = episode
+    return {"instruction": instruction, "open_address": open_address, "time": time}
 
 
 def final_info(text: str, settings: Settings) -> dict[str, Any]:

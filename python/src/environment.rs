@@ -309,23 +309,18 @@ impl PyEnvironments {
         Ok((numbers.into_pyarray(py), stepped))
     }
 
-    /// What is known of the running episode of one environment, as JSON: its number, instruction,
-    /// open address and simulated time.
-    fn episode(&self, index: usize) -> PyResult<String> {
+    /// What is known of the running episode of one environment: its instruction, its open address,
+    /// each empty if there is none, and its simulated time in seconds.
+    fn episode(&self, index: usize) -> PyResult<(String, String, f64)> {
         let mut held = self.environments.lock()?;
         let environment = idle(held.get()?, index)?;
-        let known = environment.briefing().map(|briefing| {
-            let instruction = match &briefing.goal {
-                Goal::Instruction(text) => Some(text),
-                Goal::Point(_) | Goal::Image(_) => None,
-            };
-            serde_json::json!({
-                "instruction": instruction,
-                "open_address": environment.open_address(),
-                "time": environment.time().seconds(),
-            })
-        });
-        json(&known)
+        let instruction = match environment.briefing().map(|briefing| &briefing.goal) {
+            Some(Goal::Instruction(text)) => text.clone(),
+            Some(Goal::Point(_) | Goal::Image(_)) | None => String::new(),
+        };
+        let address = environment.open_address().map(ToString::to_string);
+        let time = environment.time().seconds();
+        Ok((instruction, address.unwrap_or_default(), time))
     }
 
     /// The public map of all episodes, OSM XML.
