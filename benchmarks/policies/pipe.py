@@ -104,7 +104,7 @@ def begin(folder: Path) -> bytes:
 
 
 def keep(file: Path) -> None:
-    """A policy that writes the first message into a file, and refuses."""
+    """A policy that writes the message `begin` into a file, and refuses."""
     send(sys.stdout.buffer, msgpack.packb({"hello": {"protocol": 1, "program": "keeper"}}))
     while True:
         content = receive(sys.stdin.buffer)

@@ -17,6 +17,7 @@ from stable_baselines3 import PPO
 
 from openbench.envs import POINT_GOAL
 from openbench.policy_agent import PolicyAgent
+from openbench.stable_baselines import normal, unscaled
 
 
 @functools.cache
@@ -33,10 +34,5 @@ class Trained(PolicyAgent):
 
     def decide(self, observation: dict[str, Any]) -> Any:
         network, moments = policy()
-        seen = {}
-        for key, (mean, variance) in moments.items():
-            normal = (observation[key] - mean) / np.sqrt(variance + 1e-8)
-            seen[key] = np.clip(normal, -10.0, 10.0).astype(np.float32)
-        action, _ = network.predict(seen, deterministic=True)
-        box = self.action_space
-        return box.low + (np.clip(action, -1.0, 1.0) + 1.0) / 2.0 * (box.high - box.low)
+        action, _ = network.predict(normal(observation, moments), deterministic=True)
+        return unscaled(action, self.action_space)

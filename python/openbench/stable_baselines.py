@@ -6,21 +6,37 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from gymnasium import spaces
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
-from openbench.envs import Array, DeliveryVectorEnv
+from openbench.envs import Array, DeliveryVectorEnv, Observations
+
+
+def unscaled(actions: Array, box: spaces.Box) -> Array:
+    """Actions between -1 and 1 as a space has them."""
+    share = (np.clip(actions, -1.0, 1.0) + 1.0) / 2.0
+    scaled: Array = box.low + share * (box.high - box.low)
+    return scaled
+
+
+def normal(observations: Observations, moments: Observations) -> Observations:
+    """Observations as `VecNormalize` gives them to a policy, by mean and variance of each."""
+    return {
+        key: np.clip(
+            (observations[key] - mean) / np.sqrt(variance + 1e-8), -10.0, 10.0
+        ).astype(np.float32)
+        for key, (mean, variance) in moments.items()
+    }
 
 
 class DeliveryVecEnv(VecEnv):  # type: ignore[misc]
     """A `DeliveryVectorEnv` as stable-baselines3 expects it; actions are between -1 and 1."""
 
     def __init__(self, envs: DeliveryVectorEnv) -> None:
-        from gymnasium import spaces
-
         self.envs = envs
         box = envs.single_action_space
         assert isinstance(box, spaces.Box)
-        self._low, self._high = box.low, box.high
+        self._box = box
         actions = spaces.Box(-1.0, 1.0, box.shape, np.float32)
         super().__init__(envs.num_envs, envs.single_observation_space, actions)
         self._actions = np.zeros((envs.num_envs, *box.shape))
@@ -39,8 +55,7 @@ class DeliveryVecEnv(VecEnv):  # type: ignore[misc]
         return [None if seed is None else seed + i for i in range(self.num_envs)]
 
     def step_async(self, actions: Array) -> None:
-        share = (np.clip(actions, -1.0, 1.0) + 1.0) / 2.0
-        self._actions = self._low + share * (self._high - self._low)
+        self._actions = unscaled(actions, self._box)
 
     def step_wait(self) -> tuple[dict[str, Array], Array, Array, list[dict[str, Any]]]:
         observations, rewards, terminations, truncations, given = self.envs.step(self._actions)

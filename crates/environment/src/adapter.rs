@@ -1,10 +1,10 @@
 //! The policy's side: sensor data to observations, actions to velocities.
 
+use std::num::NonZeroU32;
 use std::sync::Arc;
 
 use openbench_core::{
-    Image, ImuSample, LidarPoint, LidarScan, MapPoint, Pose2, PoseEstimate, RobotDescription,
-    SimTime, Velocity,
+    Image, ImuSample, LidarScan, MapPoint, Pose2, PoseEstimate, RobotDescription, SimTime, Velocity,
 };
 use openbench_localization::wheels::Wheels;
 use openbench_localization::{DeadReckoning, LidarInertial, Localizer};
@@ -106,10 +106,13 @@ impl Adapter {
         {
             // Into the memory of the last one.
             let seen = self.scan.get_or_insert_default();
-            seen.stamp = scan.stamp;
-            seen.points.clear();
-            let kept = |point: &&LidarPoint| is_of_one_firing_in(point, self.observe.one_firing_in);
-            seen.points.extend(scan.points.iter().filter(kept));
+            seen.clone_from(scan);
+            let one_in = self.observe.one_firing_in;
+            if one_in > NonZeroU32::MIN {
+                // A run casts whole scans.
+                seen.points
+                    .retain(|point| is_of_one_firing_in(point, one_in));
+            }
         }
         if self.observe.imu {
             self.imu.extend_from_slice(sensed.imu);
