@@ -23,12 +23,16 @@
 //! | `address` | [`locate`]: the location query, from unit up to building |
 //! | `cutout` | [`cut_out`]: a neighbourhood out of a larger map |
 //! | `edit` | entrances added, merged and removed |
+//! | [`disturb`] | maps that are wrong as real ones are |
+//! | [`draws`] | random numbers, a stream for each purpose and element |
 //! | `renumber` | [`renumbered`]: new numbers that tell nothing about removed elements |
 
 mod address;
 mod areas;
 mod cutout;
 mod data;
+pub mod disturb;
+pub mod draws;
 mod edit;
 mod element;
 pub mod error;

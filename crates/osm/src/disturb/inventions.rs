@@ -1,0 +1,82 @@
+//! Buildings that are in the map, but not in the world.
+
+use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::{Polygon, Segment, segments};
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+
+use crate::draws::{between, stream};
+use crate::map::OsmMap;
+
+use super::purpose::Purpose;
+
+/// Places that are tried for one building.
+const TRIES: usize = 200;
+/// Distance from the middle of a building that is there, metres.
+const DISTANCE_M: [f64; 2] = [12.0, 60.0];
+/// Length and width, metres: sheds up to family houses.
+const LENGTH_M: [f64; 2] = [6.0, 15.0];
+const WIDTH_M: [f64; 2] = [4.0, 10.0];
+/// Distance from buildings and from the middle lines of roads, metres.
+const CLEARANCE_M: f64 = 2.0;
+
+/// The outlines of up to `count` buildings, in free places of the map. They stand parallel to a
+/// building nearby. Crowded maps have places for fewer.
+pub(super) fn inventions(map: &OsmMap, count: usize, seed: u64) -> Vec<Polygon> {
+    let mut found: Vec<Polygon> = Vec::new();
+    for number in 0..count {
+        let mut draws = stream(seed, Purpose::Invented as u64, number as u64);
+        let place = (0..TRIES).find_map(|_| {
+            let outline = outline(map, &mut draws)?;
+            is_free(map, &found, &outline).then_some(outline)
+        });
+        found.extend(place);
+    }
+    found
+}
+
+/// A rectangle near a building; `None` if the map has none.
+fn outline(map: &OsmMap, draws: &mut Pcg64Mcg) -> Option<Polygon> {
+    if map.buildings.is_empty() {
+        return None;
+    }
+    let like = draws.random_range(0..map.buildings.len() as u32) as usize;
+    let like = &map.buildings[like].polygon;
+    let wall = like
+        .sides()
+        .max_by(|a, b| a.length().total_cmp(&b.length()))?;
+    let direction = between(draws, 0.0, std::f64::consts::TAU);
+    let distance = between(draws, DISTANCE_M[0], DISTANCE_M[1]);
+    let middle = like.centroid().offset(direction, distance);
+    let [half_length, half_width] = [LENGTH_M, WIDTH_M].map(|[a, b]| between(draws, a, b) / 2.0);
+    let pose = Pose2::new(middle.x, middle.y, wall.bearing());
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let ring = corners.map(|(u, v)| pose.transform(u * half_length, v * half_width));
+    Polygon::new(ring.to_vec(), Vec::new())
+}
+
+/// Whether an outline keeps its distance from all that is mapped and from what was invented before.
+fn is_free(map: &OsmMap, invented: &[Polygon], outline: &Polygon) -> bool {
+    let middle = outline.centroid();
+    let radius = outline.outer[0].distance(middle);
+    let reach = radius + CLEARANCE_M;
+    let near = map.buildings_within(middle, reach).into_iter();
+    let mut buildings = near.map(|i| &map.buildings[i].polygon).chain(invented);
+    let is_clear = |other: &Polygon| {
+        let is_far = |wall: Segment| {
+            let mut others = other.sides();
+            others.all(|other| wall.distance_to(other) > CLEARANCE_M)
+        };
+        !other.contains(middle) && outline.sides().all(is_far)
+    };
+    let mut roads = map.roads.iter().flat_map(|road| segments(&road.points));
+    buildings.all(is_clear) && !roads.any(|piece| piece.distance_to_point(middle) < reach)
+}
+
+/// The middle of all buildings' bounds; the origin if there are none.
+pub(super) fn middle(map: &OsmMap) -> MapPoint {
+    let bounds = map.buildings.iter().map(|b| b.polygon.bounds());
+    bounds
+        .reduce(|a, b| a.union(b))
+        .map_or(MapPoint::default(), |bounds| bounds.middle())
+}
