@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
-use openbench_core::{Camera, Image, Pose3, RobotDescription, SimTime};
+use openbench_core::{Camera, CameraIntrinsics, Image, Pose3, SimTime};
 use openbench_scene::Movers;
 
 use crate::exposure::AutoExposure;
@@ -35,11 +35,10 @@ pub(crate) struct SimCamera {
 }
 
 impl SimCamera {
-    pub(crate) fn new(renderer: Arc<Renderer>, robot: &RobotDescription) -> Self {
-        let optics = robot.camera_intrinsics;
+    pub(crate) fn new(renderer: Arc<Renderer>, optics: CameraIntrinsics, mount: Pose3) -> Self {
         Self {
             renderer,
-            mount: robot.camera,
+            mount,
             size: ImageSize::new(optics.width, optics.height),
             focal_length: optics.focal_length(),
             pose: Pose3::identity(),

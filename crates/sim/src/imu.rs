@@ -5,7 +5,7 @@
 //! random walk, errors of scale, saturation and a resolution of 16 bits.
 
 use nalgebra::Vector3;
-use openbench_core::{ImuSample, Pose3, RobotDescription, SimTime};
+use openbench_core::{ImuSample, Pose3, SimTime};
 
 use crate::noise::Noise;
 use crate::physics::{GRAVITY, Physics};
@@ -67,12 +67,12 @@ pub(crate) struct Imu {
 
 impl Imu {
     /// A unit mounted as in the robot's description.
-    pub(crate) fn new(mut noise: Noise, robot: &RobotDescription) -> Self {
+    pub(crate) fn new(mut noise: Noise, mount: Pose3) -> Self {
         let gyro = Triad::new(GYRO, &mut noise);
         let accel = Triad::new(ACCEL, &mut noise);
         Self {
             noise,
-            mount: robot.imu,
+            mount,
             gyro,
             accel,
             last_velocity: Vector3::zeros(),

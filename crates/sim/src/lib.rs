@@ -7,6 +7,7 @@
 //! | `physics`, `wheels` | the body on its wheels, and its contacts |
 //! | `collision`, `left_world` | [`Collision`], [`LeftWorld`]: what goes wrong |
 //! | [`lidar`] | the Livox MID-360 |
+//! | `defects` | [`Defects`]: how a robot differs from its description |
 //! | `imu`, `encoders` | inertial measurement unit and wheel encoders |
 //! | `camera`, `exposure` | the robot's camera and its automatic exposure |
 //! | `gnss` | the satellite receiver of a robot that has one |
@@ -23,6 +24,7 @@ mod camera;
 mod clock;
 mod collision;
 mod crowd;
+mod defects;
 mod encoders;
 mod error;
 mod exposure;
@@ -42,6 +44,7 @@ mod wheels;
 
 pub use clock::OBSERVATION_NS;
 pub use collision::Collision;
+pub use defects::{Defects, Mount};
 pub use error::SimError;
 pub use left_world::LeftWorld;
 pub use render::{ImageSize, Labels, Renderer, View};

@@ -18,6 +18,7 @@ use rapier3d_f64::prelude::{
 
 use crate::bodies::{Bodies, Leg, upright};
 use crate::clock::STEP_NS;
+use crate::defects::{Defects, grip};
 use crate::solids::Solids;
 use crate::traffic::Mover;
 use crate::wheels::WheelSpeeds;
@@ -49,11 +50,40 @@ const SATURATION: f64 = 0.05;
 /// Height of the hull's lowest point above the ground, metres.
 const CLEARANCE_M: f64 = 0.045;
 
-/// A wheel: its hub relative to the middle of the chassis, metres.
+/// A wheel.
+#[derive(Clone, Copy)]
 struct Wheel {
+    /// Its hub relative to the middle of the chassis, metres.
     x: f64,
     y: f64,
     side: Side,
+    /// Its radius relative to the described one.
+    radius: f64,
+    /// Friction below it, relative to that on asphalt.
+    grip: f64,
+}
+
+impl Wheel {
+    const fn at(x: f64, y: f64, side: Side) -> Self {
+        Self {
+            x,
+            y,
+            side,
+            radius: 1.0,
+            grip: 1.0,
+        }
+    }
+
+    fn with_defects(self, defects: &Defects) -> Self {
+        Self {
+            y: self.y * defects.track,
+            radius: match self.side {
+                Side::Left => defects.left_wheel,
+                Side::Right => defects.right_wheel,
+            },
+            ..self
+        }
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -63,26 +93,10 @@ enum Side {
 }
 
 const WHEELS: [Wheel; 4] = [
-    Wheel {
-        x: 0.1,
-        y: 0.13,
-        side: Side::Left,
-    },
-    Wheel {
-        x: 0.1,
-        y: -0.13,
-        side: Side::Right,
-    },
-    Wheel {
-        x: -0.1,
-        y: 0.13,
-        side: Side::Left,
-    },
-    Wheel {
-        x: -0.1,
-        y: -0.13,
-        side: Side::Right,
-    },
+    Wheel::at(0.1, 0.13, Side::Left),
+    Wheel::at(0.1, -0.13, Side::Right),
+    Wheel::at(-0.1, 0.13, Side::Left),
+    Wheel::at(-0.1, -0.13, Side::Right),
 ];
 
 /// A contact of the robot's hull in one physics step.
@@ -102,6 +116,7 @@ pub(crate) struct Physics {
     movers: Bodies,
     classes: Arc<[SemanticClass]>,
     motors: Motors,
+    wheels: [Wheel; 4],
     wheel_radius: f64,
     chassis_height: f64,
 }
@@ -162,6 +177,7 @@ impl Physics {
     pub(crate) fn new(
         solids: &Solids,
         robot: &RobotDescription,
+        defects: &Defects,
         start: Pose2,
         ground: f64,
     ) -> Self {
@@ -191,6 +207,7 @@ impl Physics {
             movers: Bodies::default(),
             classes: solids.classes.clone(),
             motors: Motors::new(robot),
+            wheels: WHEELS.map(|wheel| wheel.with_defects(defects)),
             wheel_radius: robot.wheel_radius,
             chassis_height,
         }
@@ -203,6 +220,22 @@ impl Physics {
         self.push_wheels(caster);
         self.movers.advance(&mut self.world);
         self.world.step();
+    }
+
+    /// Lets each tyre grip as the surface below it allows.
+    pub(crate) fn feel_surfaces(&mut self, caster: &RayCaster) {
+        let pose = *self.world.bodies[self.body].position();
+        let (forward, left) = (pose.rotation * Vector::X, pose.rotation * Vector::Y);
+        let up = pose.rotation * Vector::Z;
+        for wheel in &mut self.wheels {
+            let hub = pose.translation + forward * wheel.x + left * wheel.y;
+            let length = (REACH_M + LIFT_M) as f32;
+            let hit = caster.cast(single(hub + up * LIFT_M), single(up * -1.0), length);
+            // A wheel in the air keeps what it had.
+            if let Some(hit) = hit {
+                wheel.grip = grip(caster.material(hit.triangle).class);
+            }
+        }
     }
 
     /// Adds the body of a mover. It takes part from the first [leg](Self::set_movers_out) on.
@@ -327,7 +360,7 @@ impl Physics {
         let left = pose.rotation * Vector::Y;
         let up = pose.rotation * Vector::Z;
         let down = up * -1.0;
-        for wheel in &WHEELS {
+        for wheel in &self.wheels {
             let hub = pose.translation + forward * wheel.x + left * wheel.y;
             let from = hub + up * LIFT_M;
             let length = (REACH_M + LIFT_M) as f32;
@@ -342,12 +375,12 @@ impl Physics {
             let travel = REACH_M + LIFT_M - distance;
             // A wheel pushes and never pulls: the ground does not hold it.
             let load = (SPRING * travel - DAMPER * velocity.dot(up)).clamp(0.0, MAX_LOAD_N);
-            let slip_x = velocity.dot(forward) - self.motors.rim(wheel.side);
+            let slip_x = velocity.dot(forward) - wheel.radius * self.motors.rim(wheel.side);
             let slip_y = velocity.dot(left);
             let slip = (slip_x * slip_x + slip_y * slip_y).sqrt();
             // Both directions share one slip, so their forces together stay within the friction
             // circle. Below the saturation the force grows in proportion to the slip.
-            let grip = TYRE_FRICTION * load / slip.max(SATURATION);
+            let grip = wheel.grip * TYRE_FRICTION * load / slip.max(SATURATION);
             let force = up * load - forward * (grip * slip_x) - left * (grip * slip_y);
             body.add_force_at_point(force, foot, true);
         }

@@ -15,6 +15,7 @@ use crate::camera::SimCamera;
 use crate::clock::{OBSERVATION_NS, STEP_NS};
 use crate::collision::{Collision, ContactHistory};
 use crate::crowd::Crowd;
+use crate::defects::Defects;
 use crate::encoders::Encoders;
 use crate::error::SimError;
 use crate::gnss::{FIX_NS, Gnss};
@@ -39,7 +40,11 @@ const GNSS_STREAM: u64 = 3;
 /// The robot in a world. Time moves only in [`Simulator::step`].
 pub struct Simulator {
     stage: Stage,
+    /// As it is described.
     robot: RobotDescription,
+    defects: Defects,
+    /// Pose of the LiDAR in `base_link`, as it is.
+    lidar_mount: Pose3,
     physics: Physics,
     /// Height of the ground at the start, metres.
     ground: f64,
@@ -70,24 +75,40 @@ impl Simulator {
     /// Puts the robot at `start` on the ground there. The same stage, robot, start, seed and
     /// velocities give the same bytes.
     pub fn new(stage: Stage, robot: RobotDescription, start: Pose2, seed: u64) -> Self {
+        Self::with_defects(stage, robot, &Defects::default(), start, seed)
+    }
+
+    /// The same with a robot that differs from its description.
+    pub fn with_defects(
+        stage: Stage,
+        robot: RobotDescription,
+        defects: &Defects,
+        start: Pose2,
+        seed: u64,
+    ) -> Self {
         let ground = ground_height(stage.caster(), start.point());
-        let physics = Physics::new(&stage.solids, &robot, start, ground);
-        let imu = Imu::new(Noise::new(seed, IMU_STREAM), &robot);
+        let physics = Physics::new(&stage.solids, &robot, defects, start, ground);
+        let imu = Imu::new(Noise::new(seed, IMU_STREAM), defects.imu.of(robot.imu));
         let lidar = Lidar::new(Noise::new(seed, LIDAR_STREAM));
         let gnss = robot
             .gnss
             .map(|antenna| Gnss::new(Noise::new(seed, GNSS_STREAM), antenna));
-        let camera = SimCamera::new(stage.renderer.clone(), &robot);
+        let optics = robot.camera_intrinsics;
+        let mount = defects.camera.of(robot.camera);
+        let camera = SimCamera::new(stage.renderer.clone(), optics, mount);
+        let lidar_mount = defects.lidar.of(robot.lidar);
         let watch = RobotWatch::new(robot.max_acceleration);
         let mut simulator = Self {
-            // First, since `robot` and `physics` move into the fields below.
-            lidar_path: vec![physics.base_link() * robot.lidar],
+            // First, since `physics` moves into the field below.
+            lidar_path: vec![physics.base_link() * lidar_mount],
+            lidar_mount,
+            defects: *defects,
             stage,
             robot,
             physics,
             ground,
             imu,
-            encoders: Encoders::default(),
+            encoders: Encoders::new(defects),
             lidar,
             scanning: Scanning::default(),
             crowd: None,
@@ -166,6 +187,9 @@ impl Simulator {
         self.speed = libm::hypot(robot.velocity[0], robot.velocity[1]) + rim;
         // Movers decide by what the robot does now, and then move in step with it.
         self.step_crowd(robot);
+        if self.defects.slips {
+            self.physics.feel_surfaces(self.stage.caster());
+        }
         for _ in 0..OBSERVATION_NS / STEP_NS {
             self.step_physics(velocity);
         }
@@ -185,7 +209,7 @@ impl Simulator {
         }
     }
 
-    /// Sizes and sensors of the robot.
+    /// Sizes and sensors of the robot, as they are described.
     pub fn robot(&self) -> &RobotDescription {
         &self.robot
     }
@@ -279,7 +303,7 @@ impl Simulator {
                 .push(self.imu.sample(self.time, &self.physics));
             self.wheel_samples.push(self.encoders.sample(self.time));
         }
-        self.lidar_path.push(self.base_link() * self.robot.lidar);
+        self.lidar_path.push(self.base_link() * self.lidar_mount);
         if self.time.0.is_multiple_of(SCAN_NS) {
             self.take_scan();
         }
@@ -301,7 +325,10 @@ impl Simulator {
             // Scans end where steps end, and the movers already have the places of that instant.
             let seen = self.stage.snapshot(&self.movers);
             let scan = self.lidar.scan(seen, began, &self.lidar_path, stride);
-            self.scan = Some(scan);
+            self.scan = Some(LidarScan {
+                stamp: self.defects.lidar_stamp(scan.stamp),
+                ..scan
+            });
         } else {
             self.lidar.skip();
         }
