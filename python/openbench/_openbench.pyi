@@ -64,9 +64,12 @@ class PolicyEnd:
     def finished(self, map: bytes | None) -> None: ...
     def failed(self, detail: str) -> None: ...
 
+# Name, conditions by key, and the seed of what they draw.
+_Suite = tuple[str, Sequence[tuple[str, str]], int]
+
 @final
 class Run:
-    def __new__(cls, suite: str, agent: str) -> Run: ...
+    def __new__(cls, suite: _Suite, agent: str) -> Run: ...
     def stop(self) -> None: ...
     def drive(
         self,
@@ -134,7 +137,7 @@ _Stepped = tuple[
 class Environments:
     def __new__(
         cls,
-        suite: str,
+        suite: _Suite,
         options: EnvironmentOptions,
         count: int,
         threads: int,

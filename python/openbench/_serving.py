@@ -63,6 +63,8 @@ def begin(end: PolicyEnd, agent: Agent, content: dict[str, Any]) -> None:
             map=content["map"],
             georeference=json.loads(content["georeference"]),
             start=content["start"],
+            start_covariance=content["start_covariance"],
+            start_area=content["start_area"],
             robot=json.loads(content["robot"]),
             time_limit=content["time_limit"],
             seed=seed,

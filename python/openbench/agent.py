@@ -67,13 +67,20 @@ class Scan:
 
 @dataclass(frozen=True)
 class Briefing:
-    """All that an agent gets before an episode."""
+    """All that an agent gets before an episode.
+
+    `start` is a pose in `map` (m, m, rad) with the covariance of its error, or `None`: then
+    `start_area` is a disc in which the robot starts (x, y and radius in m), or `None` if it may
+    start anywhere.
+    """
 
     instruction: str | None
     point: tuple[float, float] | None
     map: bytes
     georeference: dict[str, Any]
-    start: tuple[float, float, float]
+    start: tuple[float, float, float] | None
+    start_covariance: list[list[float]] | None
+    start_area: tuple[float, float, float] | None
     robot: dict[str, Any]
     time_limit: float
     seed: int

@@ -19,6 +19,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from openbench._openbench import EnvironmentOptions, Environments
+from openbench.conditions import Conditions, written
 
 Array = npt.NDArray[Any]
 Observations = dict[str, Any]
@@ -137,6 +138,8 @@ class DeliveryVectorEnv(VectorEnv[Observations, Array, Array]):
         *,
         threads: int | None = None,
         render_mode: str | None = None,
+        conditions: Conditions | None = None,
+        world_seed: int = 0,
         **settings: Any,
     ) -> None:
         self.settings = Settings(**settings)
@@ -147,7 +150,11 @@ class DeliveryVectorEnv(VectorEnv[Observations, Array, Array]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._environments = Environments(
-            suite, self.settings.options, num_envs, threads or num_envs, autoreset=True
+            (suite, written(conditions), world_seed),
+            self.settings.options,
+            num_envs,
+            threads or num_envs,
+            autoreset=True,
         )
         self._observations: Observations = {}
 
@@ -240,6 +247,9 @@ class DeliveryEnv(gym.Env[Observations, Array]):
     """Deliveries of a suite.
 
     suite: a built-in suite, a suite file, or the folder of a world.
+    conditions: what makes the suite harder: levels, as in `{"map": "city"}`, or numbers, as in
+        `{"map.shift_m": 3}`.
+    world_seed: seed of what the conditions draw for all episodes alike, such as the map.
     observations: any of `image`, `points`, `range_image`, `imu`, `wheels`, `pose` (with `health`)
         and `goal`.
     goal: `instruction`, or `point`: the place before the door, seen from the estimated pose.
@@ -263,13 +273,25 @@ class DeliveryEnv(gym.Env[Observations, Array]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(
-        self, suite: str = "small", *, render_mode: str | None = None, **settings: Any
+        self,
+        suite: str = "small",
+        *,
+        render_mode: str | None = None,
+        conditions: Conditions | None = None,
+        world_seed: int = 0,
+        **settings: Any,
     ) -> None:
         self.settings = Settings(**settings)
         self.render_mode = render_mode
         self.observation_space = self.settings.observation_space()
         self.action_space = self.settings.action_space()
-        self._environments = Environments(suite, self.settings.options, 1, 1, autoreset=False)
+        self._environments = Environments(
+            (suite, written(conditions), world_seed),
+            self.settings.options,
+            1,
+            1,
+            autoreset=False,
+        )
         self._running = False
 
     @property

@@ -13,6 +13,7 @@ from typing import Any, overload
 from openbench._openbench import InputError, PolicyEnd, Run
 from openbench._serving import serve
 from openbench.agent import Agent
+from openbench.conditions import Conditions, written
 
 
 @overload
@@ -24,6 +25,7 @@ def evaluate(
     jobs: int = 1,
     timeout: float = 60.0,
     out: str | os.PathLike[str] | None = None,
+    conditions: Conditions | None = None,
 ) -> dict[str, Any]: ...
 
 
@@ -36,6 +38,7 @@ def evaluate(
     jobs: int = 1,
     timeout: float = 60.0,
     out: str | os.PathLike[str] | None = None,
+    conditions: Conditions | None = None,
 ) -> dict[int, dict[str, Any]]: ...
 
 
@@ -48,6 +51,7 @@ def evaluate(
     jobs: int = 1,
     timeout: float = 60.0,
     out: str | os.PathLike[str] | None = None,
+    conditions: Conditions | None = None,
 ) -> dict[str, Any] | dict[int, dict[str, Any]]:
     """Runs a suite with an agent and returns the content of `results.json`.
 
@@ -59,13 +63,15 @@ def evaluate(
     timeout: how long an action may take, seconds.
     out: a folder for results, report and recordings, which is replaced; each of several seeds gets
         a folder `seed-N` in it, beside which there must be no other runs. `None` writes nothing.
+    conditions: what makes the suite harder: levels, as in `{"map": "city"}`, or numbers, as in
+        `{"map.shift_m": 3}`.
 
     An exception of the agent ends the run and is raised.
     """
     if seeds is not None and seed != 0:
         raise TypeError("write seed or seeds")
     name = getattr(agent, "__name__", type(agent).__name__)
-    run = Run(suite, f"python:{name}")
+    run = Run((suite, written(conditions), seed), f"python:{name}")
     if seeds is None:
         return _drive(run, agent, seed, jobs, timeout, out)
     numbers = [operator.index(number) for number in seeds]

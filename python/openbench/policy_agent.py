@@ -49,6 +49,8 @@ class PolicyAgent:
             return GiveUp('the policy was trained for points; write goal = "point" in the suite')
         if self._settings.arrival is not None and "goal" not in self._settings.observations:
             raise ValueError('arrival: it is seen from the observation "goal"')
+        if briefing.start is None:
+            return GiveUp("a pose is needed, and the start is not given", cause="lost")
         self._address = self.address(briefing)
         robot = json.dumps(briefing.robot)
         self._adapter = Adapter(

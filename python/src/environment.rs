@@ -8,7 +8,6 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use numpy::ndarray::ArrayView1;
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray2};
 use openbench_bench::suite::GoalKind;
-use openbench_bench::worlds::suite_named;
 use openbench_core::{Goal, Health};
 use openbench_environment::{
     Actions, AfterEnd, Beginning, Declaration, Environment, Environments, Observation, Observe,
@@ -19,6 +18,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::errors::{InputError, of_environment};
+use crate::suite::WrittenSuite;
 
 /// Most points of a scan: its rays.
 const MAX_POINTS: usize = 20_000;
@@ -220,7 +220,7 @@ impl PyEnvironments {
     #[new]
     fn new(
         py: Python<'_>,
-        suite: String,
+        suite: WrittenSuite,
         options: &PyOptions,
         count: usize,
         threads: usize,
@@ -233,7 +233,7 @@ impl PyEnvironments {
             AfterEnd::Wait
         };
         let environments = py.detach(|| {
-            let world = World::new(suite_named(&suite)?, &options.options)?;
+            let world = World::new(suite.suite()?, &options.options)?;
             Environments::new(&world, &options.options, count, threads, after_end)
         });
         Ok(Self {
@@ -327,7 +327,7 @@ impl PyEnvironments {
     fn map<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let mut held = self.environments.lock()?;
         let environment = idle(held.get()?, 0)?;
-        let map = environment.world().prepared().world.map.to_xml();
+        let map = environment.world().prepared().public_data().to_xml();
         Ok(PyBytes::new(py, &map))
     }
 

@@ -11,7 +11,6 @@ use std::time::Duration;
 use openbench_agents::remote::channel::channel;
 use openbench_agents::remote::{Link, LinkError, Patience, Policy, Pool};
 use openbench_bench::run::registry::{AgentError, AgentSettings};
-use openbench_bench::worlds::suite_named;
 use openbench_bench::{
     AgentFactory, AgentRequest, BenchError, Prepared, Results, RunRequest, Setting, Unfinished, run,
 };
@@ -20,6 +19,7 @@ use pyo3::prelude::*;
 
 use crate::errors::{InputError, raised};
 use crate::policy::PolicyEnd;
+use crate::suite::WrittenSuite;
 
 /// How often Python's signals are asked for during a run.
 const SIGNALS_EVERY: Duration = Duration::from_millis(100);
@@ -49,10 +49,10 @@ struct Drive {
 
 #[pymethods]
 impl Run {
-    /// Builds the world of a suite: a name, a suite file or the folder of a world.
+    /// Builds the world of a suite.
     #[new]
-    fn new(py: Python<'_>, suite: String, agent: String) -> PyResult<Self> {
-        let prepared = py.detach(|| Prepared::new(suite_named(&suite)?, None));
+    fn new(py: Python<'_>, suite: WrittenSuite, agent: String) -> PyResult<Self> {
+        let prepared = py.detach(|| Prepared::new(suite.suite()?, None));
         Ok(Self {
             prepared: prepared.map_err(|error| raised(&error))?,
             agent,
@@ -129,6 +129,8 @@ impl Run {
             pool,
             patience: drive.patience,
         };
+        let own = self.prepared.of_seed(drive.seed)?;
+        let prepared = own.as_ref().unwrap_or(&self.prepared);
         let request = RunRequest {
             seed: drive.seed,
             jobs: drive.jobs,
@@ -137,7 +139,7 @@ impl Run {
             build: &openbench::build(),
             command: "openbench.evaluate",
             stop: &self.stop,
-            ..RunRequest::new(&self.prepared, &self.agent, &factory)
+            ..RunRequest::new(prepared, &self.agent, &factory)
         };
         Ok(run(&request)?.results)
     }

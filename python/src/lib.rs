@@ -17,6 +17,7 @@ mod errors;
 mod evaluation;
 mod parts;
 mod policy;
+mod suite;
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -187,8 +187,14 @@ fn begin_into(content: &Bound<'_, PyDict>, begin: Begin) -> PyResult<()> {
     }
     content.set_item("map", PyBytes::new(py, &begin.map))?;
     content.set_item("georeference", json(&begin.georeference)?)?;
-    let start = begin.start;
-    content.set_item("start", (start.x, start.y, start.yaw))?;
+    let start = begin.start.map(|start| (start.x, start.y, start.yaw));
+    content.set_item("start", start)?;
+    let covariance = begin
+        .start_covariance
+        .map(|rows| rows.map(Vec::from).to_vec());
+    content.set_item("start_covariance", covariance)?;
+    let area = begin.start_area.map(|disc| (disc.x, disc.y, disc.radius_m));
+    content.set_item("start_area", area)?;
     content.set_item("robot", json(&begin.robot)?)?;
     content.set_item("time_limit", begin.time_limit_s)
 }

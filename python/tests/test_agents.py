@@ -60,6 +60,23 @@ def command(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]
     return subprocess.run(words, capture_output=True, text=True, timeout=300, **options)
 
 
+def test_an_agent_is_told_what_is_known_of_its_start(suite: str) -> None:
+    told: list[Briefing] = []
+
+    class Listens(Ahead):
+        def begin(self, briefing: Briefing) -> None:
+            told.append(briefing)
+
+    for start in ("exact", "10m", "block", "map"):
+        results = openbench.evaluate(Listens, suite, conditions={"start": start})
+        assert results.get("conditions", {}).get("start", "exact") == start
+    exact, vague, block, anywhere = told
+    assert exact.start and exact.start_covariance == [[0.0] * 3] * 3
+    assert vague.start and vague.start_covariance and vague.start_covariance[0][0] == 100.0
+    assert block.start is None and block.start_area and block.start_area[2] == 75.0
+    assert anywhere.start is None and anywhere.start_area is None
+
+
 def test_results_come_as_a_dictionary() -> None:
     results = openbench.evaluate(Ahead, "small", jobs=2)
     assert results["agent"] == "python:Ahead"

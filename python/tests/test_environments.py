@@ -183,6 +183,38 @@ def test_an_unknown_suite_names_those_that_there_are() -> None:
         DeliveryEnv("tiny")
 
 
+def test_conditions_change_the_map_and_not_the_world() -> None:
+    def env(**settings: Any) -> DeliveryEnv:
+        return openbench.make("small", seed=1, observations=("image",), **settings)
+
+    right = env()
+    wrong = env(conditions={"map": "city"}, world_seed=3)
+    assert wrong.map != right.map
+    assert wrong.map == env(conditions={"map": "city"}, world_seed=3).map
+    assert wrong.map != env(conditions={"map": "city"}, world_seed=4).map
+    seen = [env.reset()[0]["image"] for env in (right, wrong)]
+    assert np.array_equal(*seen)
+
+
+@pytest.mark.parametrize(
+    ("conditions", "problem"),
+    [
+        ({"map": "village"}, "write one of exact, good, city, poor"),
+        ({"map.shift_m": -1}, "give a number from 0 to 100"),
+        ({"weather": "bad"}, "there is no such condition"),
+    ],
+)
+def test_a_condition_that_there_is_not_is_refused(conditions: Any, problem: str) -> None:
+    with pytest.raises(openbench.InputError, match=problem):
+        openbench.make("small", conditions=conditions)
+
+
+def test_a_pose_needs_a_start() -> None:
+    env = openbench.make("small", observations=("pose",), conditions={"start": "block"})
+    with pytest.raises(openbench.InputError, match="gives no pose to begin with"):
+        env.reset()
+
+
 def test_a_closed_environment_says_so() -> None:
     env = DeliveryEnv("small")
     env.reset(seed=0)

@@ -18,21 +18,22 @@ const NEAR_M: f64 = 500.0;
 /// use std::time::Duration;
 ///
 /// use openbench_agents::Border;
-/// use openbench_core::{Briefing, Goal, MapPoint, Pose2, RobotDescription};
+/// use openbench_core::{Briefing, Goal, MapPoint, Pose2, RobotDescription, Start};
 ///
 /// // A start in raw UTM coordinates, zone 33 north: Krems on the Danube.
 /// let briefing = Briefing {
 ///     map_osm: Vec::new(),
 ///     georeference: "utm:33N,0,0".parse().unwrap(),
 ///     goal: Goal::Point(MapPoint::new(544_760.0, 5_362_020.0)),
-///     start: Pose2::new(544_700.0, 5_362_000.0, 0.0),
+///     start: Start::exact(Pose2::new(544_700.0, 5_362_000.0, 0.0)),
 ///     robot: RobotDescription::sentry(),
 ///     time_limit: Duration::from_secs(600),
 /// };
 /// let (_, inner) = Border::of(&briefing);
-/// assert!(inner.start.point().distance(MapPoint::default()) < 500.0);
+/// let start = inner.start.about().unwrap();
+/// assert!(start.distance(MapPoint::default()) < 500.0);
 /// let Goal::Point(goal) = inner.goal else { unreachable!() };
-/// assert!((goal.distance(inner.start.point()) - 63.25).abs() < 0.01);
+/// assert!((goal.distance(start) - 63.25).abs() < 0.01);
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Border {
@@ -43,7 +44,8 @@ pub struct Border {
 impl Border {
     /// The border of a briefing, and the briefing in the inner frame.
     pub fn of(briefing: &Briefing) -> (Self, Briefing) {
-        let start = briefing.start.point();
+        // An agent that may be anywhere keeps the frame of its map.
+        let start = briefing.start.about().unwrap_or_default();
         if start.distance(MapPoint::default()) <= NEAR_M {
             return (Self::default(), briefing.clone());
         }
@@ -58,8 +60,7 @@ impl Border {
             Goal::Point(point) => Goal::Point(border.inwards(*point)),
             goal => goal.clone(),
         };
-        let at = border.inwards(start);
-        let start = Pose2::new(at.x, at.y, briefing.start.yaw);
+        let start = briefing.start.shifted(border.inwards(MapPoint::default()));
         (
             border,
             Briefing {

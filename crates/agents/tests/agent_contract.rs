@@ -10,7 +10,7 @@ use openbench_agents::{Open, Parts};
 use openbench_core::{
     Action, Agent, Briefing, Camera, Event, Events, FailureCause, Georeference, Goal, Image,
     ImuSample, LidarPoint, LidarScan, LonLat, MapPoint, Observation, Pose2, RobotDescription,
-    SimTime, Velocity, WheelSample,
+    SimTime, Start, Velocity, WheelSample,
 };
 use openbench_language::GrammarPlanner;
 use openbench_localization::DeadReckoning;
@@ -88,7 +88,7 @@ fn briefing(map: &[u8], instruction: &str) -> Briefing {
         map_osm: map.to_vec(),
         georeference: Georeference::tangent_plane(LonLat::new(8.0, 50.0)),
         goal: Goal::Instruction(instruction.to_owned()),
-        start: Pose2::new(-8.0, 3.0, 0.0),
+        start: Start::exact(Pose2::new(-8.0, 3.0, 0.0)),
         robot: RobotDescription::sentry(),
         time_limit: Duration::from_secs(1200),
     }
@@ -252,7 +252,7 @@ fn minutes_with_origin_at(make: Make, shift: f64) -> (Vec<Action>, Vec<Event>) {
             offset_x: shift,
             offset_y: -shift,
         },
-        start: Pose2::new(near.start.x + shift, near.start.y - shift, near.start.yaw),
+        start: near.start.shifted(MapPoint::new(shift, -shift)),
         ..near
     };
     agent.begin(&moved, &mut events).unwrap();

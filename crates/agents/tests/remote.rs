@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use openbench_agents::remote::{ChildLink, LinkError, Patience, Policy, Pool};
 use openbench_core::{
     Action, Agent, Briefing, Camera, FailureCause, Georeference, Goal, Image, LidarPoint,
-    LidarScan, LonLat, Observation, Pose2, RobotDescription, SimTime, Velocity,
+    LidarScan, LonLat, Observation, Pose2, RobotDescription, SimTime, Start, Velocity,
 };
 
 const SOON: Duration = Duration::from_secs(20);
@@ -87,7 +87,7 @@ fn begin(policy: &mut Policy) {
         map_osm: b"<osm/>".to_vec(),
         georeference: Georeference::tangent_plane(LonLat::default()),
         goal: Goal::Instruction("box to unit 1".into()),
-        start: Pose2::default(),
+        start: Start::exact(Pose2::default()),
         robot: RobotDescription::sentry(),
         time_limit: Duration::from_secs(60),
     };

@@ -3,7 +3,7 @@
 use openbench_bench::suite::GoalKind;
 use openbench_bench::worlds::PreparedEpisode;
 use openbench_bench::{Prepared, Rollout, Status, Suite, builtin_suite};
-use openbench_core::{Action, Address, Goal, Pose2};
+use openbench_core::{Action, Address, Goal, Pose2, Start};
 
 fn suite() -> Suite {
     let mut suite = builtin_suite("small").unwrap();
@@ -47,7 +47,7 @@ fn an_episode_from_another_start_has_the_limit_of_its_own_way() {
     assert_eq!(near.time_limit.as_secs(), 120);
     assert!(prepared.episodes[0].time_limit > near.time_limit);
     let rollout = Rollout::of(&prepared, near.clone(), 1).unwrap();
-    assert_eq!(rollout.briefing().start, near.start);
+    assert_eq!(rollout.briefing().start, Start::exact(near.start));
 }
 
 #[test]

@@ -250,17 +250,17 @@ fn with_truth(mut catalogue: Catalogue, truth: Option<&Truth<'_>>, seed: u64) ->
         true_reader(truth),
     );
     // Each closure owns a handle. All handles lead to the same poses.
-    let truth = truth.map(|truth| truth.handle.clone()).unwrap_or_default();
-    let handle = truth.clone();
+    let truth = truth.map(Truth::poses_on_map).unwrap_or_default();
+    let poses = truth.clone();
     catalogue.localizers = catalogue.localizers.with(
         TRUE_POSE,
         "the true pose",
-        LocalizerPart::without_fixes(move |_| Box::new(TruthLocalizer::new(handle.clone()))),
+        LocalizerPart::without_fixes(move |_| Box::new(TruthLocalizer::new(poses.clone()))),
     );
-    let handle = truth.clone();
+    let poses = truth.clone();
     let read = move |argument: &str| -> Result<Box<MakeFixes>, PartError> {
         let noise = fix_noise(argument)?;
-        let truth = handle.clone();
+        let truth = poses.clone();
         Ok(Box::new(move |_| {
             vec![Box::new(SimulatedFixes::new(truth.clone(), noise, seed))]
         }))

@@ -10,6 +10,7 @@ use crate::events::Events;
 use crate::frames::{Georeference, MapPoint, Pose2};
 use crate::robot::RobotDescription;
 use crate::sensors::{Camera, GnssFix, Image, ImuSample, LidarScan, WheelSample};
+use crate::start::Start;
 use crate::time::SimTime;
 
 /// The control program of a delivery robot. The benchmark calls [`begin`](Agent::begin) once, then
@@ -82,13 +83,27 @@ pub struct Briefing {
     pub georeference: Georeference,
     /// What to do in the episode.
     pub goal: Goal,
-    /// Pose of the robot in `map`.
-    pub start: Pose2,
+    /// What is known about the pose of the robot in `map`.
+    pub start: Start,
     /// Sizes, sensors and limits of the robot.
     pub robot: RobotDescription,
     /// Simulated time that a delivery may take at most. It follows from the public map alone. The
     /// judge's limit may be shorter: it depends on the doors, so agents do not get it.
     pub time_limit: Duration,
+}
+
+impl Briefing {
+    /// The pose at the start, for an agent that cannot find out where it is.
+    ///
+    /// # Errors
+    /// The agent gives up the whole episode if it gets no pose.
+    pub fn start_pose(&self) -> Result<Pose2, GiveUp> {
+        self.start.pose().ok_or_else(|| GiveUp {
+            address: None,
+            cause: FailureCause::Lost,
+            detail: format!("{}, and this agent cannot find out where it is", self.start),
+        })
+    }
 }
 
 /// The task of an agent.
@@ -214,7 +229,7 @@ pub enum FailureCause {
     AgentError,
     /// The robot left the ground or the bounds of the world, or tipped over.
     LeftWorld,
-    /// The agent lost its localization.
+    /// The agent lost its localization, or cannot find out where it starts.
     Lost,
 }
 
@@ -237,5 +252,35 @@ impl fmt::Display for FailureCause {
             Self::LeftWorld => "left the world",
             Self::Lost => "lost",
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn briefing(start: Start) -> Briefing {
+        Briefing {
+            map_osm: Vec::new(),
+            georeference: Georeference::tangent_plane(crate::LonLat::default()),
+            goal: Goal::Instruction(String::new()),
+            start,
+            robot: RobotDescription::sentry(),
+            time_limit: Duration::ZERO,
+        }
+    }
+
+    #[test]
+    fn an_agent_that_needs_a_pose_gives_up_without_one() {
+        let area = Start::Area {
+            centre: MapPoint::new(1.0, 2.0),
+            radius_m: 75.0,
+        };
+        let given_up = briefing(area).start_pose().unwrap_err();
+        assert_eq!(given_up.cause, FailureCause::Lost);
+        assert!(given_up.detail.contains("within 75 m of (1.00, 2.00)"));
+        assert!(briefing(Start::Anywhere).start_pose().is_err());
+        let pose = Pose2::new(1.0, 2.0, 0.5);
+        assert_eq!(briefing(Start::exact(pose)).start_pose(), Ok(pose));
     }
 }

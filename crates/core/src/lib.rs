@@ -9,6 +9,7 @@
 //! | [`robot`] | [`RobotDescription`]: size, sensor poses and limits of the robot |
 //! | [`address`] | [`Address`]: building and unit |
 //! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: deliveries in driving order |
+//! | [`start`] | [`Start`]: what an agent knows about where it starts |
 //! | [`agent`] | [`Agent`], [`Briefing`], [`Observation`], [`Action`]: the contract |
 //! | [`health`] | [`Health`], [`Doubt`]: how far an estimated pose can be trusted |
 //! | [`input`] | reading files that users name |
@@ -30,6 +31,7 @@ pub mod registry;
 pub mod robot;
 pub mod sensed;
 pub mod sensors;
+pub mod start;
 pub mod time;
 
 pub use address::Address;
@@ -49,4 +51,5 @@ pub use sensed::Sensed;
 pub use sensors::{
     Camera, CameraIntrinsics, GnssFix, Image, ImuSample, LidarPoint, LidarScan, WheelSample,
 };
+pub use start::Start;
 pub use time::SimTime;

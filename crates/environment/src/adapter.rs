@@ -35,7 +35,7 @@ const SHORT_REST: SimTime = SimTime::from_millis(500);
 /// let prepared = Prepared::new(builtin_suite("small")?, None)?;
 /// let mut rollout = Rollout::new(&prepared, 0, 7)?;
 /// let briefing = rollout.briefing();
-/// let mut adapter = Adapter::new(&options, &briefing.robot, briefing.start, None)?;
+/// let mut adapter = Adapter::new(&options, &briefing.robot, briefing.start_pose()?, None)?;
 /// while !adapter.is_ready(rollout.observation().time) {
 ///     rollout.step(Action::Drive(Velocity::ZERO));
 ///     adapter.take(&rollout.observation());

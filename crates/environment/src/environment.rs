@@ -217,7 +217,13 @@ impl Environment {
             Goal::Point(point) => Some(*point),
             Goal::Instruction(_) | Goal::Image(_) => None,
         };
-        let adapter = Adapter::new(&self.options, robot, *start, point)?;
+        let start = match start.pose() {
+            Some(pose) => pose,
+            // Nothing is seen from the estimated pose then.
+            None if self.options.observe.pose.is_none() => Pose2::default(),
+            None => return Err(no_pose()),
+        };
+        let adapter = Adapter::new(&self.options, robot, start, point)?;
         let mut running = Running {
             rollout,
             number,
@@ -231,6 +237,14 @@ impl Environment {
         };
         running.aim(&self.world);
         Ok(running)
+    }
+}
+
+/// The suite gives no pose at the start, from which an estimate could begin.
+fn no_pose() -> EnvironmentError {
+    EnvironmentError::Option {
+        option: "pose",
+        problem: "the suite's condition `start` gives no pose to begin with".to_owned(),
     }
 }
 

@@ -154,7 +154,7 @@ fn an_adapter_in_a_run_sees_what_the_environment_shows() {
     let mut rollout = Rollout::new(prepared, episode, random.random()).unwrap();
     let Briefing { robot, start, .. } = rollout.briefing();
     let goal = prepared.point_goal(&prepared.episodes[episode]);
-    let mut adapter = Adapter::new(&options, robot, *start, goal).unwrap();
+    let mut adapter = Adapter::new(&options, robot, start.pose().unwrap(), goal).unwrap();
     let drive = |rollout: &mut Rollout<'_>, adapter: &mut Adapter, velocity| {
         rollout.step(Action::Drive(velocity));
         adapter.take(&rollout.observation());

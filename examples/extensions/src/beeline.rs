@@ -77,13 +77,14 @@ impl Agent for Beeline {
         let data = OsmData::from_bytes(&briefing.map_osm)
             .map_err(|error| give_up(FailureCause::Briefing, &with_causes(&error)))?;
         let map = OsmMap::new(&data, briefing.georeference);
-        let plan = plan(instruction, &map, briefing.start)
+        let start = briefing.start_pose()?;
+        let plan = plan(instruction, &map, start)
             .map_err(|error| give_up(FailureCause::NotUnderstood, &with_causes(&error)))?;
         let mut localizer = DeadReckoning::new(briefing.robot.clone());
-        localizer.reset(briefing.start);
+        localizer.reset(start);
         self.drive = Some(Drive {
             localizer,
-            stops: stops(&plan, &map, briefing.start),
+            stops: stops(&plan, &map, start),
         });
         Ok(())
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
-    PlannedDelivery, PoseEstimate, RobotDescription, SimTime, Velocity, with_causes,
+    PlannedDelivery, Pose2, PoseEstimate, RobotDescription, SimTime, Velocity, with_causes,
 };
 use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_localization::Localizer;
@@ -172,6 +172,7 @@ impl Mission {
         briefing: &Briefing,
         events: &mut dyn Events,
     ) -> Result<Self, GiveUp> {
+        let start = briefing.start_pose()?;
         let data = OsmData::from_bytes(&briefing.map_osm)
             .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let memory = Memory::new(data, briefing.georeference, parts.memory.as_ref());
@@ -185,6 +186,7 @@ impl Mission {
         let queue = understand(
             parts.planner.as_ref(),
             briefing,
+            start,
             memory.map(),
             &router,
             events,
@@ -195,7 +197,7 @@ impl Mission {
         let terrain = Terrain::new(
             memory.map().clone(),
             Some(router),
-            briefing.start.point(),
+            start.point(),
             &robot,
             parts.ground,
         )
@@ -203,7 +205,7 @@ impl Mission {
         let driver = Driver::new(terrain, robot.clone(), motion)
             .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let mut localizer = (parts.localizer)(&robot);
-        localizer.reset(briefing.start);
+        localizer.reset(start);
         Ok(Self {
             perception: Perception::new(robot.clone()),
             driver,
@@ -212,7 +214,7 @@ impl Mission {
             seen: Vec::new(),
             last_glance: Glance {
                 time: SimTime::ZERO,
-                yaw: briefing.start.yaw,
+                yaw: start.yaw,
             },
             unreadable: Vec::new(),
             uncertain_plates: Vec::new(),
@@ -615,6 +617,7 @@ fn one(address: Address, cause: FailureCause, detail: String) -> GiveUp {
 fn understand(
     planner: &dyn Planner,
     briefing: &Briefing,
+    start: Pose2,
     map: &OsmMap,
     router: &MapRouter,
     events: &mut dyn Events,
@@ -633,7 +636,7 @@ fn understand(
     let request = PlanRequest {
         instruction,
         map,
-        start: briefing.start.point(),
+        start: start.point(),
         times: &times,
     };
     let plan = planner

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 use openbench_core::{
     Action, Address, Briefing, GiveUp, GnssFix, Goal, Health, Image, ImuSample, LidarPoint,
-    LidarScan, MapPoint, Observation, Pose2, RobotDescription, SimTime, WheelSample,
+    LidarScan, MapPoint, Observation, Pose2, RobotDescription, SimTime, Start, WheelSample,
 };
 use serde::{Deserialize, Serialize};
 use serde_bytes::ByteBuf;
@@ -100,12 +100,29 @@ pub struct Begin {
     pub map: ByteBuf,
     /// Projection and origin of the `map` frame.
     pub georeference: openbench_core::Georeference,
-    /// Pose of the robot in `map`.
-    pub start: Pose2,
+    /// Pose of the robot in `map`; none if it is not given.
+    pub start: Option<Pose2>,
+    /// Covariance of that pose's x, y and yaw: m², m rad, rad². Zero for an exact pose.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_covariance: Option<[[f64; 3]; 3]>,
+    /// The disc in which the robot starts, with any heading, instead of a pose.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_area: Option<Disc>,
     /// Sizes, sensors and limits of the robot.
     pub robot: RobotDescription,
     /// Simulated time that a delivery may take at most, seconds.
     pub time_limit_s: f64,
+}
+
+/// A disc on the ground, in `map`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Disc {
+    /// Its middle: east, metres.
+    pub x: f64,
+    /// North, metres.
+    pub y: f64,
+    /// Its radius, metres.
+    pub radius_m: f64,
 }
 
 /// A [`Goal`].
@@ -218,7 +235,19 @@ impl Begin {
             },
             map: ByteBuf::from(briefing.map_osm.clone()),
             georeference: briefing.georeference,
-            start: briefing.start,
+            start: briefing.start.pose(),
+            start_covariance: match briefing.start {
+                Start::Pose { covariance, .. } => Some(covariance),
+                Start::Area { .. } | Start::Anywhere => None,
+            },
+            start_area: match briefing.start {
+                Start::Area { centre, radius_m } => Some(Disc {
+                    x: centre.x,
+                    y: centre.y,
+                    radius_m,
+                }),
+                Start::Pose { .. } | Start::Anywhere => None,
+            },
             robot: briefing.robot.clone(),
             time_limit_s: briefing.time_limit.as_secs_f64(),
         }

@@ -222,7 +222,7 @@ mod tests {
 
     use openbench_core::{
         Address, Camera, Georeference, Goal, LidarScan, LonLat, Pose2, RobotDescription, SimTime,
-        Velocity,
+        Start, Velocity,
     };
 
     use super::*;
@@ -407,7 +407,7 @@ mod tests {
             map_osm: Vec::new(),
             georeference: Georeference::tangent_plane(LonLat::default()),
             goal: Goal::Instruction("box to unit 1".into()),
-            start: Pose2::default(),
+            start: Start::exact(Pose2::default()),
             robot: RobotDescription::sentry(),
             time_limit: Duration::from_secs(9),
         };
@@ -433,7 +433,7 @@ mod tests {
             map_osm: Vec::new(),
             georeference: Georeference::tangent_plane(LonLat::default()),
             goal: Goal::Instruction(String::new()),
-            start: Pose2::default(),
+            start: Start::exact(Pose2::default()),
             robot: RobotDescription::sentry(),
             time_limit: Duration::ZERO,
         };

@@ -150,6 +150,7 @@ impl Errand {
         wants_depth: bool,
         events: &mut dyn Events,
     ) -> Result<Self, GiveUp> {
+        let start = briefing.start_pose()?;
         let (words, goal, open) = match &briefing.goal {
             Goal::Instruction(words) => {
                 if settings.actions != Actions::Velocity {
@@ -157,7 +158,7 @@ impl Errand {
                     let detail = "points declare no delivery; run a suite with `goal = \"point\"`";
                     return Err(surrender(FailureCause::Briefing, detail.to_owned()));
                 }
-                let open = deliveries(briefing, words, events);
+                let open = deliveries(briefing, start, words, events);
                 let open = open.map_err(|(cause, detail)| surrender(cause, detail))?;
                 (words.clone(), None, open)
             }
@@ -176,12 +177,12 @@ impl Errand {
         let driving = Driving::new(&briefing.robot, settings.replan);
         let driving = driving.map_err(|e| surrender(FailureCause::Briefing, with_causes(&e)))?;
         let mut localizer = LidarInertial::new(briefing.robot.clone());
-        localizer.reset(briefing.start);
+        localizer.reset(start);
         Ok(Self {
             localizer,
             driving,
             words,
-            start: briefing.start,
+            start,
             goal,
             open,
             velocity: Velocity::ZERO,
@@ -298,6 +299,7 @@ fn surrender(cause: FailureCause, detail: String) -> GiveUp {
 /// where.
 fn deliveries(
     briefing: &Briefing,
+    start: Pose2,
     instruction: &str,
     events: &mut dyn Events,
 ) -> Result<VecDeque<Address>, (FailureCause, String)> {
@@ -307,7 +309,7 @@ fn deliveries(
     let request = PlanRequest {
         instruction,
         map: &map,
-        start: briefing.start.point(),
+        start: start.point(),
         times: &Straight,
     };
     let plan: Plan = GrammarPlanner::new()
@@ -340,7 +342,7 @@ mod tests {
     use std::time::Duration;
 
     use openbench_core::{
-        Camera, Georeference, Image, ImuSample, LidarScan, LonLat, RobotDescription,
+        Camera, Georeference, Image, ImuSample, LidarScan, LonLat, RobotDescription, Start,
     };
     use openbench_models::Exchanges;
 
@@ -369,7 +371,7 @@ mod tests {
             map_osm: b"<osm version='0.6'/>".to_vec(),
             georeference: Georeference::tangent_plane(LonLat::default()),
             goal,
-            start: Pose2::default(),
+            start: Start::exact(Pose2::default()),
             robot: RobotDescription::sentry(),
             time_limit: Duration::from_secs(60),
         }

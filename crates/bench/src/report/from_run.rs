@@ -27,7 +27,7 @@ pub fn report_input<'a>(
 }
 
 fn world_map(prepared: &Prepared) -> WorldMap {
-    let map = prepared.osm_map();
+    let map = prepared.public_map();
     let area = |name: Option<&String>, polygon: &Polygon| MapArea {
         name: name.cloned(),
         outline: polygon.outer.clone(),
@@ -61,6 +61,9 @@ fn episode_report(
 ) -> EpisodeReport {
     let wanted = |door: usize| episode.targets.iter().any(|t| t.door == Some(door));
     let doors = prepared.world.scene.doors.iter().enumerate();
+    // All in the frame of the public map, which the report draws.
+    let on_map = prepared.on_map();
+    let points = |points: &[MapPoint]| points.iter().map(|at| on_map.point(*at)).collect();
     let declared = results
         .deliveries
         .iter()
@@ -69,7 +72,7 @@ fn episode_report(
             Some(Declaration {
                 task: d.task,
                 address: d.address(),
-                position: d.declared_at?,
+                position: on_map.point(d.declared_at?),
                 success: d.success_2m,
             })
         });
@@ -77,15 +80,15 @@ fn episode_report(
     EpisodeReport {
         episode: number,
         world: 0,
-        start: prepared.world.start,
-        driven: trace.driven.clone(),
+        start: on_map.pose(prepared.world.start),
+        driven: points(&trace.driven),
         estimated: trace.estimated.clone(),
         pose_errors: trace.pose_errors.clone(),
         routes: trace.routes.clone(),
         true_doors: doors
             .map(|(i, d)| DoorMark {
                 address: d.address.clone(),
-                position: d.entrance().point(),
+                position: on_map.beside(prepared.building(i), d.entrance().point()),
                 wanted: wanted(i),
             })
             .collect(),
@@ -101,7 +104,7 @@ fn episode_report(
         collisions: trace
             .collisions
             .iter()
-            .map(|c| MapPoint::new(c.pose.x, c.pose.y))
+            .map(|c| on_map.point(MapPoint::new(c.pose.x, c.pose.y)))
             .collect(),
         plates: frames(trace),
         plan: trace

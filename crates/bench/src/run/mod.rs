@@ -46,5 +46,5 @@ pub use recorder::{Faults, ImuRange, Level};
 pub use registry::{AgentFactory, AgentRequest, Agents};
 pub use request::{EpisodeEnd, RunRequest, Unfinished};
 pub use rollout::{Rollout, Status};
-pub use truth::{Truth, TruthHandle};
+pub use truth::{PosesOnMap, Truth, TruthHandle};
 pub use verify::{verify, verify_agent};

@@ -2,12 +2,14 @@
 
 use openbench_core::ModelUse;
 use openbench_osm::{OsmData, merge_entrances};
+use openbench_sim::Defects;
 
 use super::record::RunRecord;
 use crate::score::deliveries;
 use crate::score::metrics::localization::localization;
 use crate::score::metrics::{ErrorCounts, RunTotals, summarize};
 use crate::score::results::{ModelTotals, Results};
+use crate::suite::Condition;
 use crate::trace::EpisodeTrace;
 use crate::worlds::Prepared;
 
@@ -29,6 +31,12 @@ pub(super) struct MachineTimes {
     pub wall_seconds: f64,
     /// CPU time of the process, seconds.
     pub cpu_seconds: f64,
+}
+
+/// The defects of the robot, if a suite has any drawn.
+fn drawn(prepared: &Prepared) -> Option<Defects> {
+    let is_off = prepared.suite.conditions.robot.is_off();
+    (!is_off).then_some(prepared.defects)
 }
 
 /// A finished run.
@@ -87,6 +95,9 @@ impl FinishedRun<'_> {
             goal: prepared.suite.goal,
             traffic: prepared.suite.traffic,
             sensors: prepared.suite.sensors,
+            conditions: prepared.suite.conditions,
+            drawn_map: prepared.on_map().drawn(),
+            drawn_robot: drawn(prepared),
             memory: record.memory.clone(),
             metrics: summarize(&deliveries, &totals),
             episodes: deliveries::score_episodes(prepared, traces),
@@ -108,7 +119,7 @@ impl FinishedRun<'_> {
     /// The public map with the doors known before and those found in each episode, in the order of
     /// the episodes.
     fn merged_memory(&self) -> OsmData {
-        let mut merged = self.prepared.world.map.clone();
+        let mut merged = self.prepared.public_data().clone();
         // In this order, since `merge_entrances` moves a known door to where the later map has it.
         if let Some(memory) = self.memory {
             merge_entrances(&mut merged, memory);

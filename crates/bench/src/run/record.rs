@@ -193,7 +193,7 @@ pub(super) fn models_of(
 
 /// What a memory adds to the public map.
 pub(super) fn memory_use(prepared: &Prepared, memory: &OsmData) -> MemoryUse {
-    let mut merged = prepared.world.map.clone();
+    let mut merged = prepared.public_data().clone();
     MemoryUse {
         doors: merge_entrances(&mut merged, memory),
         hash: hash_bytes(&memory.to_xml()),

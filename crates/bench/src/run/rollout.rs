@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, Image, MapPoint, ModelUse,
-    Observation, Pose2, SimTime, Velocity,
+    Observation, Pose2, SimTime, Start, Velocity,
 };
 use openbench_scene::SemanticClass;
 use openbench_sim::lidar::Scanning;
@@ -67,6 +67,8 @@ pub enum Status {
 /// ```
 pub struct Rollout<'o> {
     briefing: Briefing,
+    /// The world in the frame of the public map; `None` if both are the same.
+    frame: Option<Pose2>,
     episode: PreparedEpisode,
     simulator: Simulator,
     observers: Vec<Box<dyn Observer + 'o>>,
@@ -101,13 +103,19 @@ impl<'o> Rollout<'o> {
         episode: PreparedEpisode,
         seed: u64,
     ) -> Result<Self, BenchError> {
+        let start = prepared.suite.conditions.start.draw(episode.start, seed);
+        let start = prepared.on_map().start(start);
         Ok(Self {
-            briefing: briefing(prepared, &episode),
+            briefing: briefing(prepared, &episode, start),
+            frame: prepared.on_map().frame(),
             simulator: prepared.simulator_at(episode.start, seed)?,
             task: Task::new(episode.start.point()),
             episode,
             observers: Vec::new(),
-            trace: EpisodeTrace::default(),
+            trace: EpisodeTrace {
+                start: Some(start),
+                ..EpisodeTrace::default()
+            },
             misread: VecDeque::new(),
             images: VecDeque::new(),
             error: None,
@@ -187,10 +195,11 @@ impl<'o> Rollout<'o> {
                 // The simulator has not moved since the observation that the agent acts on. The
                 // true pose is therefore that of the estimate's instant.
                 let estimate = Deed::estimate(*pose, *health);
+                let truth = self.pose_on_map();
                 self.trace.estimated.push(estimate.pose.point());
                 self.trace
                     .pose_errors
-                    .push(PoseError::new(time, self.pose(), estimate));
+                    .push(PoseError::new(time, truth, estimate));
             }
             Deed::WroteDoor(address, position) => {
                 // A door that is written again replaces the earlier one.
@@ -288,6 +297,12 @@ impl<'o> Rollout<'o> {
 
     fn pose(&self) -> Pose2 {
         Pose2::from_pose3(&self.simulator.base_link())
+    }
+
+    /// The true pose in the frame of the public map.
+    fn pose_on_map(&self) -> Pose2 {
+        let pose = self.pose();
+        self.frame.map_or(pose, |frame| frame.compose(pose))
     }
 
     fn keep_error(&mut self, outcome: Result<(), BenchError>) {
@@ -509,15 +524,15 @@ fn plate(time: SimTime, reading: &Reading) -> PlateRead {
     }
 }
 
-fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {
+fn briefing(prepared: &Prepared, episode: &PreparedEpisode, start: Start) -> Briefing {
     Briefing {
-        map_osm: prepared.world.map.to_xml(),
+        map_osm: prepared.public_data().to_xml(),
         georeference: prepared.world.georeference,
         goal: match (prepared.suite.goal, prepared.point_goal(episode)) {
-            (GoalKind::Point, Some(point)) => Goal::Point(point),
+            (GoalKind::Point, Some(point)) => Goal::Point(prepared.on_map().point(point)),
             _ => Goal::Instruction(episode.instruction.clone()),
         },
-        start: episode.start,
+        start,
         robot: prepared.robot.clone(),
         time_limit: prepared.public_time_limit,
     }

@@ -34,6 +34,42 @@ impl fmt::Debug for Truth<'_> {
     }
 }
 
+impl Truth<'_> {
+    /// The true poses on the public map.
+    pub fn poses_on_map(&self) -> PosesOnMap {
+        PosesOnMap {
+            handle: self.handle.clone(),
+            frame: self.prepared.on_map().frame(),
+        }
+    }
+}
+
+/// The true poses as they are on the public map, which may be displaced.
+#[derive(Debug, Clone, Default)]
+pub struct PosesOnMap {
+    handle: TruthHandle,
+    /// The world in the frame of the public map; `None` if both are the same.
+    frame: Option<Pose2>,
+}
+
+impl PosesOnMap {
+    /// The pose at a time, see [`TruthHandle::pose_at`].
+    pub fn pose_at(&self, time: SimTime) -> Pose2 {
+        let pose = self.handle.pose_at(time);
+        self.frame.map_or(pose, |frame| frame.compose(pose))
+    }
+}
+
+/// On a map that is right.
+impl From<TruthHandle> for PosesOnMap {
+    fn from(handle: TruthHandle) -> Self {
+        Self {
+            handle,
+            frame: None,
+        }
+    }
+}
+
 /// Shared access to where everything was in the last second.
 #[derive(Debug, Clone, Default)]
 pub struct TruthHandle(Arc<Mutex<VecDeque<Instant>>>);
@@ -132,6 +168,23 @@ mod tests {
             base_link: pose.to_pose3(0.0),
             movers: Arc::default(),
         }
+    }
+
+    #[test]
+    fn poses_on_a_displaced_map_are_displaced() {
+        let handle = TruthHandle::default();
+        handle.set(at(0, Pose2::new(1.0, 2.0, 0.0)));
+        let poses = PosesOnMap {
+            handle,
+            frame: Some(Pose2::new(10.0, 0.0, std::f64::consts::FRAC_PI_2)),
+        };
+        let pose = poses.pose_at(SimTime::ZERO);
+        assert!(
+            pose.point()
+                .distance(openbench_core::MapPoint::new(8.0, 1.0))
+                < 1e-9
+        );
+        assert!((pose.yaw - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
     }
 
     #[test]

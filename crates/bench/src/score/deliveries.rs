@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use openbench_core::{FailureCause, MapPoint, Plan};
 use openbench_osm::OsmMap;
+use openbench_osm::disturb::MapState;
+use openbench_scene::Door;
 
 use crate::score::health::health_spans;
 use crate::score::metrics::localization::localization;
@@ -13,6 +15,7 @@ use crate::score::metrics::{
 };
 use crate::score::results::{DeliveryResult, EpisodeResult};
 use crate::score::statistics::Proportion;
+use crate::suite::Condition;
 use crate::trace::{EpisodeTrace, Failure, PlacedDoor, TaskOutcome};
 use crate::worlds::{Prepared, PreparedEpisode};
 
@@ -36,6 +39,8 @@ pub fn score_episode(
         result.instruction = episode.instruction.clone();
         result.building = target.address.building.clone();
         result.unit = target.address.unit.clone();
+        let building = target.door.and_then(|door| prepared.building(door));
+        result.on_map = prepared.on_map().state(building);
         results.push(result);
     }
     results
@@ -57,6 +62,7 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -
         instruction: String::new(),
         building: String::new(),
         unit: None,
+        on_map: MapState::Right,
         success_10m: plate.is_some_and(|plate| paper_success(declared_at, plate)),
         success_2m: strict.success,
         correct_unit: strict.correct_unit,
@@ -132,7 +138,8 @@ fn geodesic_distance(prepared: &Prepared, from: MapPoint, door: usize) -> Option
 
 /// The results of the episodes as a whole.
 pub fn score_episodes(prepared: &Prepared, traces: &[EpisodeTrace]) -> Vec<EpisodeResult> {
-    let (map, plans) = (prepared.osm_map(), makes_plans(traces));
+    let (map, plans) = (prepared.true_map(), makes_plans(traces));
+    let is_told_exactly = prepared.suite.conditions.start.is_off();
     let pairs = prepared.episodes.iter().zip(traces).enumerate();
     pairs
         .map(|(number, (episode, trace))| EpisodeResult {
@@ -147,6 +154,7 @@ pub fn score_episodes(prepared: &Prepared, traces: &[EpisodeTrace]) -> Vec<Episo
                 .as_ref()
                 .map_or(Vec::new(), |p| p.fallbacks.clone()),
             localization: localization([&trace.pose_errors[..]].into_iter()),
+            start: trace.start.filter(|_| !is_told_exactly),
             health: health_spans(&trace.pose_errors),
         })
         .collect()
@@ -161,20 +169,20 @@ pub fn score_written_doors(prepared: &Prepared, traces: &[EpisodeTrace]) -> Opti
         .iter()
         .flat_map(|trace| trace.doors.iter().cloned())
         .collect();
-    let map = prepared.osm_map();
-    let doors: Vec<PlacedDoor> = prepared
-        .world
-        .scene
-        .doors
-        .iter()
-        .map(|door| PlacedDoor {
+    let (map, on_map) = (prepared.true_map(), prepared.on_map());
+    let doors = prepared.world.scene.doors.iter().enumerate();
+    // Doors are written into the outlines of the public map, so they are expected there.
+    let expected = |(number, door): (usize, &Door)| {
+        let at = match door.doorway {
+            Some(doorway) => doorway.point(),
+            None => doorway_behind(map, door.point(), door.facing),
+        };
+        PlacedDoor {
             address: door.address.clone(),
-            position: match door.doorway {
-                Some(doorway) => doorway.point(),
-                None => doorway_behind(map, door.point(), door.facing),
-            },
-        })
-        .collect();
+            position: on_map.beside(prepared.building(number), at),
+        }
+    };
+    let doors: Vec<PlacedDoor> = doors.map(expected).collect();
     Some(score_doors(&written, &doors))
 }
 
@@ -211,7 +219,7 @@ pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<Unders
     if !makes_plans(traces) {
         return None;
     }
-    let map = prepared.osm_map();
+    let map = prepared.true_map();
     let episodes: Vec<_> = prepared.episodes.iter().zip(traces).collect();
     let right: Vec<&Plan> = episodes
         .iter()

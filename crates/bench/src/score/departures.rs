@@ -41,9 +41,29 @@ pub fn departures(results: &Results) -> Vec<String> {
             count(traffic.cars, "car", "cars")
         ));
     }
+    let conditions = results.conditions.words();
+    lines.extend(
+        conditions
+            .into_iter()
+            .map(|word| format!("condition {word}")),
+    );
+    lines.extend(results.drawn_map.map(|map| map.describe()));
+    lines.extend(unmapped(results));
     lines.extend(fallbacks(results));
     lines.extend(failed_calls(results));
     lines
+}
+
+/// The deliveries that the rates leave out.
+fn unmapped(results: &Results) -> Option<String> {
+    let unmapped = results.metrics.unmapped?;
+    let rate = unmapped.sr_2m.unwrap_or_default();
+    Some(format!(
+        "{} to buildings that the map lacks or misnames: {:.0} % succeeded (strict); SR and SPL \
+         are without them",
+        count(unmapped.deliveries, "delivery", "deliveries"),
+        100.0 * rate
+    ))
 }
 
 /// The episodes of which another planner made a part.
@@ -80,7 +100,8 @@ mod tests {
     use super::*;
     use crate::score::provenance::Setting;
     use crate::score::results::tests::{delivery, results};
-    use crate::score::results::{EpisodeResult, MemoryUse, ModelTotals};
+    use crate::score::results::{EpisodeResult, MemoryUse, ModelTotals, Unmapped};
+    use crate::worlds::DrawnMap;
     use openbench_core::{Fallback, PlanPart};
 
     #[test]
@@ -102,6 +123,17 @@ mod tests {
             hash: String::new(),
         });
         run.sensors.gnss = true;
+        run.conditions.set("map", "poor").unwrap();
+        run.drawn_map = Some(DrawnMap {
+            buildings: 30,
+            missing: 3,
+            ..DrawnMap::default()
+        });
+        run.metrics.unmapped = Some(Unmapped {
+            deliveries: 2,
+            sr_2m: Some(0.5),
+            ..Unmapped::default()
+        });
         run.traffic.cars = 2;
         run.episodes = vec![EpisodeResult {
             fallbacks: vec![Fallback {
@@ -123,6 +155,9 @@ mod tests {
             "waits for people",
             "3 doors",
             "GNSS",
+            "condition map=poor",
+            "of 30 buildings, moved by 0.00 m more (root mean square), 3 missing",
+            "2 deliveries to buildings that the map lacks or misnames: 50 % succeeded",
             "0 pedestrians and 2 cars",
             "in 1 of 1 episode (0)",
             "1 of 2 questions to models got no answer",

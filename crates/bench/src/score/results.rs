@@ -7,7 +7,9 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, input};
+use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, Start, input};
+use openbench_osm::disturb::MapState;
+use openbench_sim::Defects;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
@@ -15,8 +17,9 @@ use crate::error::ResultsError;
 use crate::score::health::HealthSpan;
 use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum};
 use crate::score::provenance::{Provenance, Setting};
-use crate::suite::{GoalKind, Sensors, TargetSource};
+use crate::suite::{Conditions, GoalKind, Sensors, TargetSource};
 use crate::trace::SmoothnessSum;
+use crate::worlds::DrawnMap;
 
 /// Bound for a file of results, bytes.
 const MOST_BYTES: u64 = 256 << 20;
@@ -51,6 +54,15 @@ pub struct Results {
     /// Sensors in addition to the benchmark's own.
     #[serde(default)]
     pub sensors: Sensors,
+    /// What makes the run harder than the paper's; absent if nothing does.
+    #[serde(default, skip_serializing_if = "Conditions::are_off")]
+    pub conditions: Conditions,
+    /// What was drawn for the public map; absent if it is right.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn_map: Option<DrawnMap>,
+    /// How the robot differed from its description; absent if it did not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn_robot: Option<Defects>,
     /// The doors from earlier runs that the agent knew; absent without a memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<MemoryUse>,
@@ -131,6 +143,10 @@ pub struct EpisodeResult {
     pub fallbacks: Vec<Fallback>,
     /// Localization errors; null if the agent reported no pose.
     pub localization: Option<LocalizationSum>,
+    /// What the agent was told about the start, in the frame of the public map; absent if that is
+    /// the exact pose.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<Start>,
     /// The agent's reports on its own pose, in spans of equal health.
     pub health: Vec<HealthSpan>,
 }
@@ -188,6 +204,10 @@ pub struct Metrics {
     /// The same with plans of which another planner had to make a part.
     #[serde(default)]
     pub srtp_with_fallback: Option<f64>,
+    /// Deliveries to buildings that the public map lacks or misnames. The rates above are without
+    /// them, apart from LSR and LSPL. Absent if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unmapped: Option<Unmapped>,
     /// Number of collisions.
     pub collisions: usize,
     /// Time in contact with obstacles, seconds.
@@ -221,6 +241,19 @@ pub struct Metrics {
     pub intervals: BTreeMap<String, Option<[f64; 2]>>,
 }
 
+/// Metrics of the deliveries to buildings that the public map lacks or misnames.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Unmapped {
+    /// Number of these deliveries, in sequences or not.
+    pub deliveries: usize,
+    /// `sr_10m` of these deliveries.
+    pub sr_10m: Option<f64>,
+    /// `sr_2m` of these deliveries.
+    pub sr_2m: Option<f64>,
+    /// `spl` of these deliveries.
+    pub spl: Option<f64>,
+}
+
 /// The result of one delivery.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DeliveryResult {
@@ -234,6 +267,9 @@ pub struct DeliveryResult {
     pub building: String,
     /// Unit of the door.
     pub unit: Option<String>,
+    /// Whether the public map has the building; absent if it has it under its right name.
+    #[serde(default, skip_serializing_if = "MapState::is_right")]
+    pub on_map: MapState,
     /// Whether it was declared within 10 m of the plate.
     pub success_10m: bool,
     /// Whether it was declared within 2 m of the correct door's approach point, with no other
@@ -404,6 +440,7 @@ pub(crate) mod tests {
             instruction: "Please deliver this box into unit1, building3.".into(),
             building: "building3".into(),
             unit: Some("unit1".into()),
+            on_map: MapState::Right,
             success_10m: true,
             success_2m: true,
             correct_unit: true,
@@ -443,6 +480,9 @@ pub(crate) mod tests {
             goal: GoalKind::Instruction,
             traffic: TrafficPlan::default(),
             sensors: Sensors::default(),
+            conditions: Conditions::default(),
+            drawn_map: None,
+            drawn_robot: None,
             memory: None,
             metrics: Metrics::default(),
             episodes: vec![],

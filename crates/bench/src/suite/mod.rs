@@ -7,12 +7,14 @@
 //! | `target_source` | [`TargetSource`]: where the requested doors are known from |
 //! | `goal` | [`GoalKind`]: what agents are told to do |
 //! | `sensors` | [`Sensors`]: sensors in addition to the benchmark's own |
+//! | `conditions` | [`Conditions`]: what makes a run harder than the paper's |
 //! | `builtin` | the contents of the built-in suites |
 //! | [`deliveries`] | files of deliveries, with or without annotations |
 //! | [`truth_file`] | the published files of true door positions |
 //! | [`draw`] | random deliveries with instructions |
 
 pub(crate) mod builtin;
+mod conditions;
 pub mod deliveries;
 pub mod draw;
 mod goal;
@@ -27,6 +29,7 @@ use openbench_core::Address;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
+pub use self::conditions::{Condition, ConditionError, Conditions, RobotErrors, StartErrors};
 pub use self::goal::GoalKind;
 pub use self::sensors::Sensors;
 pub use self::source::WorldSource;
@@ -100,6 +103,8 @@ const MOST_MOVERS: usize = 10_000;
 ///     targets: Default::default(),
 ///     goal: Default::default(),
 ///     sensors: Sensors::default(),
+///     conditions: Default::default(),
+///     seed: 0,
 /// };
 /// assert!(suite.to_toml().contains("building = \"building1\""));
 /// ```
@@ -124,6 +129,16 @@ pub struct Suite {
     /// Sensors in addition to the benchmark's own.
     #[serde(default, skip_serializing_if = "Sensors::none")]
     pub sensors: Sensors,
+    /// What makes runs harder than the paper's: the keys `map`, `start` and `robot`.
+    #[serde(flatten)]
+    pub conditions: Conditions,
+    /// Seed of what the conditions draw for all episodes alike; that of a run takes its place.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub seed: u64,
+}
+
+fn is_zero(seed: &u64) -> bool {
+    *seed == 0
 }
 
 impl Suite {
@@ -149,6 +164,20 @@ impl Suite {
             checked.map_err(|problem| BenchError::bad_file(path, problem))?;
         }
         Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
+    }
+
+    /// Whether the maps or robots of this suite differ from seed to seed.
+    pub fn depends_on_seed(&self) -> bool {
+        let Conditions { map, robot, .. } = &self.conditions;
+        !(map.is_off() && robot.is_off())
+    }
+
+    /// The suite as it is with a run's seed.
+    #[must_use]
+    pub fn with_seed(self, seed: u64) -> Self {
+        // Where nothing depends on it, suites of different runs are equal.
+        let seed = if self.depends_on_seed() { seed } else { 0 };
+        Self { seed, ..self }
     }
 
     /// The suite as a TOML file.
@@ -203,6 +232,8 @@ mod tests {
             }],
             targets: TargetSource::World,
             sensors: Sensors { gnss: true },
+            conditions: Conditions::default(),
+            seed: 0,
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("yard.toml");
@@ -269,6 +300,32 @@ mod tests {
                 .to_toml()
                 .contains("sensors")
         );
+    }
+
+    #[test]
+    fn conditions_are_keys_of_suites() {
+        let plain = "name = 'a'\n[world.builtin]\nname = 'small'\nseed = 1\n\
+                     [[episodes]]\ninstruction = 'x'\ndeliveries = []\n";
+        let read = |text: &str| toml::from_str::<Suite>(text).map_err(|e| e.to_string());
+        assert!(read(plain).unwrap().conditions.are_off());
+        let hard = read(&format!(
+            "map = 'poor'\nseed = 4\n{plain}[start]\narea_m = 30\n"
+        ));
+        let hard = hard.unwrap();
+        assert_eq!(hard.conditions.map.level(), Some("poor"));
+        assert_eq!((hard.conditions.start.area_m, hard.seed), (30.0, 4));
+        assert_eq!(read(&hard.to_toml()).unwrap(), hard);
+        let error = read(&format!("maps = 'poor'\n{plain}")).unwrap_err();
+        assert!(error.contains("maps"), "{error}");
+    }
+
+    #[test]
+    fn a_seed_counts_where_something_depends_on_it() {
+        let suite = builtin_suite("small").unwrap();
+        assert_eq!(suite.clone().with_seed(7), suite);
+        let mut wrong = suite;
+        wrong.conditions.set("map", "good").unwrap();
+        assert_eq!(wrong.with_seed(7).seed, 7);
     }
 
     #[test]

@@ -13,7 +13,9 @@ mod smoothness;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use openbench_core::{Address, FailureCause, GiveUp, MapPoint, ModelUse, Plan, SimTime, Velocity};
+use openbench_core::{
+    Address, FailureCause, GiveUp, MapPoint, ModelUse, Plan, SimTime, Start, Velocity,
+};
 use openbench_scene::SemanticClass;
 use openbench_sim::Collision;
 use openbench_sim::traffic::EncounterTotals;
@@ -140,6 +142,8 @@ pub struct Frame {
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct EpisodeTrace {
+    /// What the agent was told about the start.
+    pub start: Option<Start>,
     /// Outcomes of the deliveries, in the order in which they ended.
     pub tasks: Vec<TaskOutcome>,
     /// True positions, five per second.

@@ -7,7 +7,7 @@ use super::load;
 use crate::BenchError;
 use crate::suite::builtin::{BUILT_IN, builtin_suites};
 use crate::suite::draw::Draw;
-use crate::suite::{GoalKind, Sensors, Suite, TargetSource, WorldSource};
+use crate::suite::{Conditions, GoalKind, Sensors, Suite, TargetSource, WorldSource};
 
 /// The built-in suite `small`, `medium` or `large`; the same deliveries on every call.
 ///
@@ -52,5 +52,7 @@ pub fn builtin_suite(name: &str) -> Result<Suite, BenchError> {
         traffic: TrafficPlan::default(),
         episodes,
         sensors: Sensors::default(),
+        conditions: Conditions::default(),
+        seed: 0,
     })
 }

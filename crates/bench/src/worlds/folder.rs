@@ -21,7 +21,7 @@ use super::prepared::Prepared;
 use super::recipe::{MAP, RECIPE, Recipe};
 use crate::BenchError;
 use crate::suite::draw::Draw;
-use crate::suite::{GoalKind, Sensors, Suite, TargetSource, WorldSource};
+use crate::suite::{Conditions, GoalKind, Sensors, Suite, TargetSource, WorldSource};
 
 const PUBLIC: &str = "public.osm";
 const SUITE: &str = "suite.toml";
@@ -95,6 +95,8 @@ pub fn write(
         traffic: TrafficPlan::default(),
         episodes: Vec::new(),
         sensors: Sensors::default(),
+        conditions: Conditions::default(),
+        seed: 0,
     };
     // Built from the files that were just written, so that what is checked is what a later run
     // reads.
@@ -134,7 +136,7 @@ struct DoorCounts {
 
 /// Draws the suite's episodes.
 fn draw(prepared: &mut Prepared, request: DrawRequest) -> DoorCounts {
-    let (map, start) = (prepared.osm_map(), prepared.world.start.point());
+    let (map, start) = (prepared.true_map(), prepared.world.start.point());
     let doors = prepared.world.scene.doors.iter().zip(&prepared.approach);
     let reachable: Vec<_> = doors
         .filter(|(_, approach)| approach.is_some())

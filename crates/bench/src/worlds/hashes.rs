@@ -12,7 +12,7 @@ use crate::BenchError;
 /// What a run was made in. Equal hashes mean equal inputs, wherever their files lie.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Hashes {
-    /// Instructions, doors, their order, traffic and sensors.
+    /// Instructions, doors, their order, traffic, sensors and conditions.
     pub suite: String,
     /// Surfaces, doors, light, and the start.
     pub world: String,
@@ -43,11 +43,15 @@ impl Hashes {
             prepared.target_source(),
         );
         // Strings, numbers and lists: every value has a JSON form.
-        let suite = serde_json::to_vec(&parts).unwrap_or_default();
+        let mut bytes = serde_json::to_vec(&parts).unwrap_or_default();
+        if !suite.conditions.are_off() {
+            let conditions = (suite.conditions, suite.seed);
+            bytes.extend(serde_json::to_vec(&conditions).unwrap_or_default());
+        }
         Ok(Self {
-            suite: hash_bytes(&suite),
+            suite: hash_bytes(&bytes),
             world: hash_world(&prepared.world),
-            map: hash_bytes(&prepared.world.map.to_xml()),
+            map: hash_bytes(&prepared.public_data().to_xml()),
             truth: prepared.truth.as_deref().map(hash_file).transpose()?,
         })
     }

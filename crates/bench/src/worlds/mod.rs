@@ -7,6 +7,7 @@
 //! | `prepared` | [`Prepared`]: a suite with its world built and its doors looked up |
 //! | `targets` | [`Target`]: the doors that an episode requests |
 //! | `recipe` | [`Recipe`]: sources and parameters of a world |
+//! | `public_map` | [`OnMap`]: the map that agents get, and how it differs from the world |
 //! | [`hashes`] | [`Hashes`]: what a run was made in |
 //! | `named` | [`suite_named`]: the suite that a user names |
 //! | [`folder`] | worlds as folders: recipe, maps, suite |
@@ -17,6 +18,7 @@ pub mod hashes;
 mod load;
 mod named;
 mod prepared;
+mod public_map;
 mod recipe;
 mod targets;
 
@@ -25,5 +27,6 @@ pub use hashes::Hashes;
 pub use load::load;
 pub use named::suite_named;
 pub use prepared::{Prepared, PreparedEpisode};
+pub use public_map::{DrawnMap, OnMap};
 pub use recipe::Recipe;
 pub use targets::Target;

@@ -1,18 +1,20 @@
 //! A suite prepared for runs: the world built, its free space computed, its doors looked up.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use openbench_core::{Address, Georeference, MapPoint, Pose2, RobotDescription};
-use openbench_osm::{OsmData, OsmMap, Projection};
+use openbench_osm::{ElementId, OsmData, OsmMap, Projection};
 use openbench_scene::{FreeSpace, World};
 use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
-use openbench_sim::{Simulator, Stage};
+use openbench_sim::{Defects, Simulator, Stage};
 
 use super::load;
+use super::public_map::{OnMap, WrongMap, building_of};
 use super::targets::{Target, find_doors, match_doors, read_truths};
 use crate::BenchError;
-use crate::suite::{GoalKind, Suite, TargetSource};
+use crate::suite::{Condition, GoalKind, Suite, TargetSource};
 
 /// Constant part of the time limit of a delivery.
 const BASE_TIME_LIMIT_S: f64 = 120.0;
@@ -51,12 +53,18 @@ pub struct Prepared {
     pub approach: Vec<Option<MapPoint>>,
     /// The episodes.
     pub episodes: Vec<PreparedEpisode>,
-    /// The robot.
+    /// The robot as agents know it.
     pub robot: RobotDescription,
+    /// How the robot differs from that.
+    pub defects: Defects,
     /// The time limit of a delivery that agents are told: it follows from the public map alone.
     pub public_time_limit: Duration,
-    /// The public map, in metres.
-    public_map: OsmMap,
+    /// The map of the world as it is, without doors, in metres.
+    true_map: OsmMap,
+    /// The building of each door of the world in that map.
+    door_buildings: Vec<Option<ElementId>>,
+    /// The public map, if it is wrong.
+    wrong_map: Option<WrongMap>,
     /// The free space of people; `None` in a world without traffic.
     people_space: Option<FreeSpace>,
     /// The file with the true positions of the doors, if one was given.
@@ -71,7 +79,7 @@ impl Prepared {
     /// A world that cannot be built, a truth file that does not fit, or an episode without
     /// deliveries or, unless a planner read them, with one to a door that the world lacks.
     pub fn new(suite: Suite, truth: Option<&Path>) -> Result<Self, BenchError> {
-        Self::world_of(suite)?.with_episodes(truth)
+        Self::with_true_map(suite)?.with_episodes(truth)
     }
 
     /// Looks up the doors of the suite's episodes, see [`new`](Self::new).
@@ -83,6 +91,13 @@ impl Prepared {
             .map(|path| read_truths(path, &self.suite, &self.world.scene.doors))
             .transpose()?;
         self.episodes = self.look_up(truths.as_deref())?;
+        self.draw_map()?;
+        // Once more: no more than agents are told, which follows from the map.
+        let limit = |e: &PreparedEpisode| self.time_limit(e.start.point(), &e.targets);
+        let limits: Vec<Duration> = self.episodes.iter().map(limit).collect();
+        for (episode, limit) in self.episodes.iter_mut().zip(limits) {
+            episode.time_limit = limit;
+        }
         // Absolute, since `run.json` has this path, and `verify` may be started in another folder.
         self.truth =
             truth.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
@@ -98,10 +113,19 @@ impl Prepared {
     /// Builds the world of a suite without its episodes.
     ///
     /// # Errors
-    /// A world that cannot be built.
+    /// A world that cannot be built, or a public map that cannot be drawn.
     pub fn world_of(suite: Suite) -> Result<Self, BenchError> {
+        let mut prepared = Self::with_true_map(suite)?;
+        prepared.draw_map()?;
+        Ok(prepared)
+    }
+
+    /// Builds the world of a suite. Which buildings the public map spares is not known before the
+    /// episodes are.
+    fn with_true_map(suite: Suite) -> Result<Self, BenchError> {
         let world = load(&suite.world)?;
         let robot = suite.sensors.robot();
+        let defects = suite.conditions.robot.draw(suite.seed);
         let stage =
             Stage::with_figures(world.scene.clone(), suite.traffic).map_err(BenchError::world)?;
         let space = |radius| FreeSpace::new(stage.caster(), world.start.point(), radius);
@@ -114,8 +138,10 @@ impl Prepared {
             .iter()
             .map(|d| free_space.approach_point(d))
             .collect();
-        let public_map = OsmMap::new(&world.map, world.georeference);
-        let public_time_limit = public_time_limit(&public_map, world.start.point());
+        let true_map = OsmMap::new(&world.map, world.georeference);
+        let public_time_limit = public_time_limit(&true_map, world.start.point());
+        let doors = world.scene.doors.iter();
+        let door_buildings = doors.map(|door| building_of(&true_map, door)).collect();
         let (episodes, truth) = (Vec::new(), None);
         Ok(Self {
             suite,
@@ -125,11 +151,42 @@ impl Prepared {
             approach,
             episodes,
             robot,
+            defects,
             public_time_limit,
-            public_map,
+            true_map,
+            door_buildings,
+            wrong_map: None,
             people_space,
             truth,
         })
+    }
+
+    /// The same suite with a run's seed, if that makes a difference.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_seed(&self, seed: u64) -> Result<Option<Self>, BenchError> {
+        let suite = self.suite.clone().with_seed(seed);
+        let is_same = suite.seed == self.suite.seed;
+        let other = (!is_same).then(|| Self::new(suite, self.truth.as_deref()));
+        other.transpose()
+    }
+
+    /// Draws the public map and what follows from it.
+    fn draw_map(&mut self) -> Result<(), BenchError> {
+        let errors = &self.suite.conditions.map;
+        if errors.is_off() {
+            return Ok(());
+        }
+        let targets = self.episodes.iter().flat_map(|episode| &episode.targets);
+        let ordered: BTreeSet<ElementId> = targets
+            .filter_map(|target| self.building(target.door?))
+            .collect();
+        let wrong = WrongMap::new(&self.world, errors, &ordered, self.suite.seed)?;
+        self.wrong_map = Some(wrong);
+        let start = self.on_map().point(self.world.start.point());
+        self.public_time_limit = public_time_limit(self.public_map(), start);
+        Ok(())
     }
 
     /// Where the doors of the episodes are known from.
@@ -141,9 +198,33 @@ impl Prepared {
         }
     }
 
-    /// The public map, in metres in the `map` frame.
-    pub fn osm_map(&self) -> &OsmMap {
-        &self.public_map
+    /// The map of the world as it is, without doors, in metres in the `map` frame of the world.
+    pub fn true_map(&self) -> &OsmMap {
+        &self.true_map
+    }
+
+    /// The public map, in metres in its own `map` frame: what agents get.
+    pub fn public_map(&self) -> &OsmMap {
+        self.wrong_map
+            .as_ref()
+            .map_or(&self.true_map, WrongMap::map)
+    }
+
+    /// The data of the public map.
+    pub fn public_data(&self) -> &OsmData {
+        self.wrong_map
+            .as_ref()
+            .map_or(&self.world.map, WrongMap::data)
+    }
+
+    /// Where things of the world are on the public map.
+    pub fn on_map(&self) -> OnMap<'_> {
+        OnMap::of(self.wrong_map.as_ref())
+    }
+
+    /// The building of a door of the world, by its number in the true map.
+    pub fn building(&self, door: usize) -> Option<ElementId> {
+        self.door_buildings[door]
     }
 
     /// Whether a map has doors of this world exactly where they are. A robot measures doors to
@@ -171,7 +252,7 @@ impl Prepared {
         let space = self.people_space.as_ref()?;
         let fits = |at: MapPoint| space.is_reachable(at);
         Some(Traffic::new(
-            self.osm_map(),
+            self.true_map(),
             fits,
             self.suite.traffic,
             self.world.start.point(),
@@ -192,7 +273,8 @@ impl Prepared {
     /// # Errors
     /// As [`simulator`](Self::simulator).
     pub fn simulator_at(&self, start: Pose2, seed: u64) -> Result<Simulator, BenchError> {
-        let simulator = Simulator::new(self.stage.clone(), self.robot.clone(), start, seed);
+        let (stage, robot) = (self.stage.clone(), self.robot.clone());
+        let simulator = Simulator::with_defects(stage, robot, &self.defects, start, seed);
         match self.traffic(seed) {
             Some(traffic) => simulator.with_traffic(traffic).map_err(BenchError::world),
             None => Ok(simulator),
@@ -420,7 +502,7 @@ mod tests {
     #[test]
     fn doors_in_the_map_do_not_change_the_limit_that_agents_are_told() {
         let prepared = Prepared::world_of(builtin_suite("small").unwrap()).unwrap();
-        let (public, start) = (&prepared.public_map, prepared.world.start.point());
+        let (public, start) = (prepared.public_map(), prepared.world.start.point());
         let mut data = prepared.world.map.clone();
         for building in &public.buildings {
             let at = building.polygon.outer[0];

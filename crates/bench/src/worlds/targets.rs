@@ -160,7 +160,7 @@ fn door_at(path: &Path, line: usize, at: MapPoint, doors: &[Door]) -> Result<usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::suite::{Sensors, TargetSource, WorldSource};
+    use crate::suite::{Conditions, Sensors, TargetSource, WorldSource};
     use openbench_core::with_causes;
     use openbench_sim::traffic::TrafficPlan;
 
@@ -248,6 +248,8 @@ mod tests {
             traffic: TrafficPlan::default(),
             episodes: episodes.iter().map(|units| episode(units)).collect(),
             sensors: Sensors::default(),
+            conditions: Conditions::default(),
+            seed: 0,
         };
         read_truths(&path, &suite, &doors()).map_err(|e| with_causes(&e))
     }

@@ -10,7 +10,7 @@ use openbench_core::{Observation, Pose2, SimTime};
 use openbench_localization::{Fix, FixSource};
 use openbench_sim::noise::Noise;
 
-use crate::run::TruthHandle;
+use crate::run::PosesOnMap;
 
 /// Time between two fixes.
 const INTERVAL_S: f64 = 1.0;
@@ -97,7 +97,7 @@ impl FixNoise {
 /// A source of fixes around the true pose.
 #[derive(Debug, Clone)]
 pub struct SimulatedFixes {
-    truth: TruthHandle,
+    truth: PosesOnMap,
     noise: FixNoise,
     seed: u64,
     random: Noise,
@@ -106,7 +106,7 @@ pub struct SimulatedFixes {
 
 impl SimulatedFixes {
     /// Fixes around the poses of `truth`; noise and outliers are drawn from `seed`.
-    pub fn new(truth: TruthHandle, noise: FixNoise, seed: u64) -> Self {
+    pub fn new(truth: PosesOnMap, noise: FixNoise, seed: u64) -> Self {
         Self {
             truth,
             noise,
@@ -182,7 +182,7 @@ mod tests {
     use super::*;
     use openbench_core::{Camera, Image};
 
-    use crate::run::truth::Instant;
+    use crate::run::truth::{Instant, TruthHandle};
     use std::sync::Arc;
 
     struct Blind;
@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn the_fixes_have_the_requested_share_of_outliers() {
         let truth = TruthHandle::default();
-        let mut fixes = SimulatedFixes::new(truth.clone(), FixNoise::default(), 5);
+        let mut fixes = SimulatedFixes::new(truth.clone().into(), FixNoise::default(), 5);
         let mut off = Vec::new();
         for tick in 0..40_000_u64 {
             let time = SimTime::from_millis(50 * tick);

@@ -3,20 +3,20 @@
 use openbench_core::{Observation, Pose2, SimTime};
 use openbench_localization::Localizer;
 
-use crate::run::TruthHandle;
+use crate::run::PosesOnMap;
 
 /// A localizer that returns the true pose.
 #[derive(Debug, Clone)]
 pub struct TruthLocalizer {
-    handle: TruthHandle,
+    poses: PosesOnMap,
     now: SimTime,
 }
 
 impl TruthLocalizer {
-    /// A localizer that reads the poses of `handle`.
-    pub fn new(handle: TruthHandle) -> Self {
+    /// A localizer that reads the true poses.
+    pub fn new(poses: PosesOnMap) -> Self {
         Self {
-            handle,
+            poses,
             now: SimTime::ZERO,
         }
     }
@@ -36,11 +36,11 @@ impl Localizer for TruthLocalizer {
     }
 
     fn pose_at(&self, time: SimTime) -> Pose2 {
-        self.handle.pose_at(time)
+        self.poses.pose_at(time)
     }
 
     fn pose(&self) -> Pose2 {
-        self.handle.pose_at(self.now)
+        self.poses.pose_at(self.now)
     }
 
     fn ready(&self) -> bool {

@@ -25,6 +25,7 @@ Examples:
   openbench run --resume runs/medium
   openbench run small --seeds 0..9 --jobs 2 --out runs/ten
   openbench run small --set localizer=dead-reckoning
+  openbench run medium --condition map=city --condition start=5m --seed 7
   openbench run small --agent openpi:ws://127.0.0.1:8000 --set timeout=10
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\
       --deliveries delivery_instructions_small.txt --truth delivery_instructions_small_gt.txt")]
@@ -57,8 +58,8 @@ pub struct RunArgs {
         long,
         value_name = "DIR",
         conflicts_with_all = [
-            "suite", "agent", "seed", "seeds", "out", "settings", "realtime", "record",
-            "pedestrians", "cars", "memory", "world", "discard"
+            "suite", "agent", "seed", "seeds", "out", "settings", "conditions", "realtime",
+            "record", "pedestrians", "cars", "memory", "world", "discard"
         ]
     )]
     pub resume: Option<PathBuf>,
@@ -72,6 +73,10 @@ pub struct RunArgs {
     /// A setting of the agent, see below; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub settings: Vec<(String, String)>,
+    /// Makes the run harder: a level, such as map=city or start=10m, or a number, such as
+    /// map.shift_m=3; may be repeated. The suite's own stays where nothing is said
+    #[arg(long = "condition", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub conditions: Vec<(String, String)>,
     /// Computing takes simulated time: an answer of a model or a policy server takes effect only as
     /// late as it came; short for --set thinking=charged
     #[arg(long)]

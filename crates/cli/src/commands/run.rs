@@ -8,7 +8,7 @@ use anyhow::Context;
 use openbench_bench::plural::count;
 use openbench_bench::report::terminal_table;
 use openbench_bench::suite::draw::Draw;
-use openbench_bench::suite::{GoalKind, Sensors, deliveries};
+use openbench_bench::suite::{Conditions, GoalKind, Sensors, deliveries};
 use openbench_bench::worlds::{load, suite_named};
 use openbench_bench::{
     AgentFactory, Agents, BenchError, Episode, InterruptedRun, Prepared, Results, RunRequest,
@@ -216,7 +216,7 @@ fn refuse_other_maps(prepared: &Prepared, path: &Path, memory: &OsmData) -> anyh
         );
     }
     // As it is written: XML cannot represent each character.
-    let public = OsmData::from_bytes(&prepared.world.map.to_xml())?;
+    let public = OsmData::from_bytes(&prepared.public_data().to_xml())?;
     match lost_in_merge(&public, memory) {
         0 => Ok(()),
         lost => anyhow::bail!(
@@ -371,7 +371,16 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
     ] {
         *planned = asked.map_or(*planned, usize::from);
     }
-    let prepared = Prepared::new(suite, truth)?;
+    for (key, value) in &args.conditions {
+        let set = suite.conditions.set(key, value);
+        set.with_context(|| format!("--condition {key}={value}"))?;
+    }
+    // Each of several seeds gets its own world or map later, if that makes a difference.
+    let seed = args
+        .seeds
+        .as_ref()
+        .map_or(args.seed, |seeds| *seeds.start());
+    let prepared = Prepared::new(suite.with_seed(seed), truth)?;
     prepared
         .world
         .warnings
@@ -411,15 +420,16 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
             "say what to deliver: --deliveries FILE, or --draw SINGLES SEQUENCES LENGTH"
         ),
     };
-    let (traffic, sensors) = (TrafficPlan::default(), Sensors::default());
     Ok(Suite {
         goal: GoalKind::default(),
         name,
         world: source,
         targets,
-        traffic,
+        traffic: TrafficPlan::default(),
         episodes,
-        sensors,
+        sensors: Sensors::default(),
+        conditions: Conditions::default(),
+        seed: 0,
     })
 }
 

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use openbench_bench::report::means_table;
 use openbench_bench::score::across::{Means, System, means};
-use openbench_bench::{BenchError, FinishedBefore, Results, RunRequest, Unfinished, interrupted};
+use openbench_bench::{
+    BenchError, FinishedBefore, Prepared, Results, RunRequest, Unfinished, interrupted,
+};
 use openbench_osm::write_atomically;
 
 use super::driving::drive_with_progress;
@@ -46,7 +48,8 @@ pub fn drive_each(
     }
     let mut runs = Vec::new();
     for Seed { number, out } in &seeds {
-        let request = of_seed(request, *number, out);
+        let own = request.prepared.of_seed(*number)?;
+        let request = of_seed(request, own.as_ref(), *number, out);
         let request = RunRequest {
             unfinished: unfinished(&request, out, args)?,
             ..request
@@ -134,8 +137,15 @@ fn one(request: RunRequest<'_>) -> Result<Results, BenchError> {
     drive_with_progress(request)
 }
 
-fn of_seed<'a>(request: &RunRequest<'a>, seed: u64, out: &'a Path) -> RunRequest<'a> {
+/// The request for one seed, which may have a world or map of its own.
+fn of_seed<'a>(
+    request: &RunRequest<'a>,
+    own: Option<&'a Prepared>,
+    seed: u64,
+    out: &'a Path,
+) -> RunRequest<'a> {
     RunRequest {
+        prepared: own.unwrap_or(request.prepared),
         seed,
         out: Some(out),
         ..*request
@@ -145,7 +155,8 @@ fn of_seed<'a>(request: &RunRequest<'a>, seed: u64, out: &'a Path) -> RunRequest
 /// Refuses to replace finished seeds of another run: they may have taken hours.
 fn spare_other_runs(request: &RunRequest<'_>, seeds: &[Seed]) -> anyhow::Result<()> {
     for Seed { number, out } in seeds {
-        let request = of_seed(request, *number, out);
+        let own = request.prepared.of_seed(*number)?;
+        let request = of_seed(request, own.as_ref(), *number, out);
         // What it replaces was agreed to when it was begun.
         let is_begun = match interrupted(out)? {
             Some(left) => left.finished > 0 && left.is_continued_by(&request)?,

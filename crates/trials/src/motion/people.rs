@@ -188,7 +188,7 @@ impl<'a> Course<'a> {
     fn terrain(&self) -> Result<Terrain, BenchError> {
         let Prepared { world, robot, .. } = self.prepared;
         Terrain::new(
-            self.prepared.osm_map().clone(),
+            self.prepared.true_map().clone(),
             None,
             world.start.point(),
             robot,
@@ -253,7 +253,7 @@ impl<'a> Ride<'a> {
             course,
             simulator,
             driver: driver.map_err(BenchError::world)?,
-            localizer: TruthLocalizer::new(handle.clone()),
+            localizer: TruthLocalizer::new(handle.clone().into()),
             handle,
             perception: Perception::new(prepared.robot.clone()),
             noise: Noise::new(seed, RANDOM_STREAM),

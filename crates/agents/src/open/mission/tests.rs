@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, Mutex};
 
-use openbench_core::{Camera, Discard, Georeference, Health, Image, LonLat, Plan, Pose2, Step};
+use openbench_core::{
+    Camera, Discard, Georeference, Health, Image, LonLat, Plan, Pose2, Start, Step,
+};
 use openbench_models::{ChatError, Meter};
 use openbench_motion::costmap::Preferences;
 use openbench_motion::follower;
@@ -166,7 +168,7 @@ fn mission(doors: &[Address]) -> (Mission, Arc<Mutex<Health>>) {
         map_osm: MAP.as_bytes().to_vec(),
         georeference: Georeference::tangent_plane(LonLat::new(8.0, 50.0)),
         goal: Goal::Instruction("as planned".into()),
-        start: Pose2::new(-8.0, 3.0, 0.0),
+        start: Start::exact(Pose2::new(-8.0, 3.0, 0.0)),
         robot: RobotDescription::sentry(),
         time_limit: Duration::from_secs(1200),
     };

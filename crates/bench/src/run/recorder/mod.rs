@@ -22,6 +22,7 @@ use openbench_logs::messages::{
 };
 use openbench_logs::{LogError, LogFile};
 use openbench_osm::Projection;
+use openbench_scene::Door;
 use openbench_sim::Simulator;
 use openbench_sim::traffic::MoverKind;
 use serde::{Deserialize, Serialize};
@@ -125,6 +126,8 @@ pub struct Recorder {
     level: Level,
     faults: Faults,
     scenery: Option<Scenery>,
+    /// The world in the `map` frame of the log, that of the public map; `None` if they are one.
+    frame: Option<Pose2>,
     /// Whether what does not change is written.
     has_begun: bool,
     /// Number of plates and doors that were marked.
@@ -147,6 +150,7 @@ impl Recorder {
             level: Level::None,
             faults: Faults::default(),
             scenery: None,
+            frame: None,
             has_begun: false,
             marked: 0,
         }
@@ -166,9 +170,10 @@ impl Recorder {
             faults: Faults::default(),
             scenery: Some(Scenery {
                 projection: Projection::new(prepared.world.georeference),
-                map: markers::of_map(prepared.osm_map()),
-                doors: markers::of_doors(&prepared.world.scene.doors),
+                map: markers::of_map(prepared.public_map()),
+                doors: markers::of_doors(&doors_on_map(prepared)),
             }),
+            frame: prepared.on_map().frame(),
             has_begun: false,
             marked: 0,
         })
@@ -187,7 +192,7 @@ impl Recorder {
     pub fn begin(&mut self, simulator: &Simulator) -> Result<(), LogError> {
         self.write_fixed(simulator)?;
         match &mut self.log {
-            Some(log) => write_state(log, simulator, Velocity::ZERO),
+            Some(log) => write_state(log, simulator, self.frame, Velocity::ZERO),
             None => Ok(()),
         }
     }
@@ -221,10 +226,10 @@ impl Recorder {
         };
         let time = simulator.time();
         let observation = simulator.observation();
-        write_state(log, simulator, velocity)?;
+        write_state(log, simulator, self.frame, velocity)?;
         // Steps end at multiples of 50 ms, so no multiple of the period is missed.
         if !simulator.movers().is_empty() && time.0.is_multiple_of(MOVERS_PERIOD_NS) {
-            write_movers(log, simulator)?;
+            write_movers(log, simulator, self.frame)?;
         }
         if self.level == Level::Full {
             let projection = self.scenery.as_ref().map(|scenery| &scenery.projection);
@@ -354,14 +359,17 @@ impl Observer for &mut Recorder {
 fn write_state(
     log: &mut LogFile,
     simulator: &Simulator,
+    frame: Option<Pose2>,
     velocity: Velocity,
 ) -> Result<(), LogError> {
     let time = simulator.time();
+    let base_link = simulator.base_link();
+    let base_link = frame.map_or(base_link, |frame| frame.to_pose3(0.0) * base_link);
     log.write("/clock", time, &Clock(time))?;
-    write_pose(log, time, BASE, simulator.base_link())?;
+    write_pose(log, time, BASE, base_link)?;
     let twist = Twist::from(velocity);
     log.write("/cmd_vel", time, &twist)?;
-    let pose = simulator.base_link().into();
+    let pose = base_link.into();
     let odometry = Odometry::new(Header::new(time, "map"), BASE, pose, twist);
     log.write("/ground_truth/odom", time, &odometry)
 }
@@ -402,7 +410,11 @@ fn occupancy(header: Header, grid: &CostGrid) -> OccupancyGrid {
 }
 
 /// Writes the true poses of people and cars.
-fn write_movers(log: &mut LogFile, simulator: &Simulator) -> Result<(), LogError> {
+fn write_movers(
+    log: &mut LogFile,
+    simulator: &Simulator,
+    frame: Option<Pose2>,
+) -> Result<(), LogError> {
     let time = simulator.time();
     for (topic, kind) in [
         ("/ground_truth/people", MoverKind::Pedestrian),
@@ -410,7 +422,7 @@ fn write_movers(log: &mut LogFile, simulator: &Simulator) -> Result<(), LogError
     ] {
         let poses = PoseArray {
             header: Header::new(time, "map"),
-            poses: poses_of(kind, simulator),
+            poses: poses_of(kind, simulator, frame),
         };
         log.write(topic, time, &poses)?;
     }
@@ -441,12 +453,27 @@ fn write_samples(
     Ok(())
 }
 
-fn poses_of(kind: MoverKind, simulator: &Simulator) -> Vec<Pose> {
+fn poses_of(kind: MoverKind, simulator: &Simulator, frame: Option<Pose2>) -> Vec<Pose> {
     let there = simulator
         .movers()
         .iter()
         .filter(|m| m.present && m.kind == kind);
-    there.map(|m| m.pose.into()).collect()
+    let on_map = |pose: Pose2| frame.map_or(pose, |frame| frame.compose(pose));
+    there.map(|m| on_map(m.pose).into()).collect()
+}
+
+/// The doors of the world where the public map has them.
+fn doors_on_map(prepared: &Prepared) -> Vec<Door> {
+    let doors = prepared.world.scene.doors.iter().enumerate();
+    let on_map = prepared.on_map();
+    let moved = doors.map(|(number, door)| {
+        let at = on_map.beside(prepared.building(number), door.point());
+        Door {
+            plate: [at.x, at.y, door.plate[2]],
+            ..door.clone()
+        }
+    });
+    moved.collect()
 }
 
 fn stamped(header: Header, pose: Pose2) -> PoseStamped {

@@ -424,6 +424,7 @@ mod tests {
             understood,
             fallbacks: vec![],
             localization: None,
+            start: None,
             health: vec![],
         };
         let planned = |plans: [Option<bool>; 2]| {

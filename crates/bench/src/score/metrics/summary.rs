@@ -13,7 +13,7 @@ use super::values::{
     Value, by_episode, clean_success, correct_unit, paper_ratio, paper_success, strict_ratio,
     strict_success,
 };
-use crate::score::results::{DeliveryResult, Metrics};
+use crate::score::results::{DeliveryResult, Metrics, Unmapped};
 use crate::score::statistics::{Proportion, mean_interval, rate_interval};
 use crate::trace::SmoothnessSum;
 
@@ -43,14 +43,14 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
         found: BTreeMap::new(),
     };
     let Episodes { singles, sequences } = Episodes::of(deliveries);
-    let single = Shares::of(&singles, "", &mut intervals);
+    let single = Shares::of(&on_map(&singles), "", &mut intervals);
     metrics.sr_10m = single.sr_10m;
     metrics.spl_straight = single.spl_straight;
     metrics.sr_2m = single.sr_2m;
     metrics.sr_clean = single.sr_clean;
     metrics.correct_unit = single.correct_unit;
     metrics.spl = single.spl;
-    let member = Shares::of(&sequences, "member_", &mut intervals);
+    let member = Shares::of(&on_map(&sequences), "member_", &mut intervals);
     metrics.member_sr_10m = member.sr_10m;
     metrics.member_spl_straight = member.spl_straight;
     metrics.member_sr_2m = member.sr_2m;
@@ -68,8 +68,31 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
     metrics.lspl = intervals.sequences("lspl", &sequences, strict_ratio);
     metrics.lsr_10m = intervals.sequences("lsr_10m", &sequences, paper_success);
     metrics.lspl_straight = intervals.sequences("lspl_straight", &sequences, paper_ratio);
+    metrics.unmapped = unmapped(deliveries);
     metrics.intervals = intervals.found;
     metrics
+}
+
+/// The episodes with their deliveries to buildings that the public map has under their names.
+fn on_map<'a>(episodes: &[Vec<&'a DeliveryResult>]) -> Vec<Vec<&'a DeliveryResult>> {
+    let kept = episodes.iter().map(|episode| {
+        let deliveries = episode.iter().copied();
+        deliveries.filter(|d| d.on_map.is_right()).collect()
+    });
+    kept.filter(|episode: &Vec<_>| !episode.is_empty())
+        .collect()
+}
+
+/// The metrics of the other deliveries; `None` if there are none.
+fn unmapped(deliveries: &[DeliveryResult]) -> Option<Unmapped> {
+    let others: Vec<_> = deliveries.iter().filter(|d| !d.on_map.is_right()).collect();
+    let mean = |value: Value| spl(&others.iter().map(|d| value(d)).collect::<Vec<_>>());
+    (!others.is_empty()).then(|| Unmapped {
+        deliveries: others.len(),
+        sr_10m: mean(paper_success),
+        sr_2m: mean(strict_success),
+        spl: mean(strict_ratio),
+    })
 }
 
 /// The metrics that are sums over all deliveries.

@@ -1,0 +1,226 @@
+//! What makes a run harder than the paper's: wrong maps, vague starts, worn robots.
+//!
+//! A suite names a level (`map = "city"`), or numbers (`[map]`, `shift_m = 3`), which may change a
+//! level (`level = "city"`). All are off in the paper's suites. What they draw depends on the seed
+//! of the suite, or on that of an episode, and on nothing else.
+//!
+//! | module | content |
+//! |---|---|
+//! | `level` | conditions by name, or by numbers |
+//! | `map` | `[map]`: how wrong the public map is |
+//! | `start` | `[start]`: how well an agent knows where it starts |
+//! | `robot` | `[robot]`: how far the robot differs from its description |
+
+mod level;
+mod map;
+mod robot;
+mod start;
+
+use openbench_osm::disturb::MapErrors;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+pub use level::{Condition, ConditionError};
+pub use robot::RobotErrors;
+pub use start::StartErrors;
+
+/// The conditions of a suite; all off by default.
+///
+/// ```
+/// use openbench_bench::suite::Conditions;
+///
+/// let mut conditions = Conditions::default();
+/// assert!(conditions.are_off());
+/// conditions.set("map", "city")?;
+/// conditions.set("map.missing", "0.1")?;
+/// assert_eq!((conditions.map.shift_m, conditions.map.missing), (1.5, 0.1));
+/// assert!(conditions.set("map", "village").unwrap_err().to_string().contains("exact, good"));
+/// # Ok::<(), openbench_bench::suite::ConditionError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Conditions {
+    /// How wrong the public map is.
+    #[serde(
+        serialize_with = "level::serialize",
+        deserialize_with = "level::deserialize",
+        skip_serializing_if = "Condition::is_off"
+    )]
+    pub map: MapErrors,
+    /// How well agents know where they start.
+    #[serde(
+        serialize_with = "level::serialize",
+        deserialize_with = "level::deserialize",
+        skip_serializing_if = "Condition::is_off"
+    )]
+    pub start: StartErrors,
+    /// How far the robot differs from its description.
+    #[serde(
+        serialize_with = "level::serialize",
+        deserialize_with = "level::deserialize",
+        skip_serializing_if = "Condition::is_off"
+    )]
+    pub robot: RobotErrors,
+}
+
+impl Conditions {
+    /// Whether nothing is harder than in the paper.
+    pub fn are_off(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Those that are not off, as the command line takes them: `map=city`, or `map.shift_m=3` for
+    /// each number of one that is no level.
+    pub fn words(&self) -> Vec<String> {
+        let map = level::words(&self.map);
+        let start = level::words(&self.start);
+        [map, start, level::words(&self.robot)].concat()
+    }
+
+    /// Sets a condition to a level (`map`, `city`), or one of its numbers (`map.shift_m`, `3`).
+    ///
+    /// # Errors
+    /// A condition, level or number that there is not, or a number out of its range.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<(), ConditionError> {
+        let (name, number) = match key.split_once('.') {
+            Some((name, number)) => (name, Some(number)),
+            None => (key, None),
+        };
+        match name {
+            MapErrors::KEY => set(&mut self.map, number, value),
+            StartErrors::KEY => set(&mut self.start, number, value),
+            RobotErrors::KEY => set(&mut self.robot, number, value),
+            _ => Err(ConditionError {
+                key: key.to_owned(),
+                problem: format!("there is no such condition; there are {}", NAMES.join(", ")),
+            }),
+        }
+    }
+}
+
+/// The conditions by name.
+const NAMES: [&str; 3] = [MapErrors::KEY, StartErrors::KEY, RobotErrors::KEY];
+
+fn set<C: Condition>(
+    condition: &mut C,
+    number: Option<&str>,
+    value: &str,
+) -> Result<(), ConditionError> {
+    *condition = match number {
+        None => level::named(value)?,
+        Some(number) => {
+            // Numbers and truth values; anything else is reported where it is no number.
+            let value = value.parse().unwrap_or_else(|_| Value::from(value));
+            let change = Map::from_iter([(number.to_owned(), value)]);
+            level::changed(*condition, &change)?
+        }
+    };
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Conditions, String> {
+        toml::from_str(text).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_level_is_its_name_or_a_table_that_changes_one() {
+        let conditions = read("map = \"city\"\nstart = \"5m\"").unwrap();
+        assert_eq!(conditions.map, MapErrors::CITY);
+        assert_eq!(conditions.start.level(), Some("5m"));
+        let changed = read("[map]\nlevel = \"city\"\nshift_m = 3").unwrap();
+        assert_eq!(changed.map.shift_m, 3.0);
+        assert_eq!(changed.map.building_shift_m, 1.5);
+        assert_eq!(read("[map]\nmissing = 0.1").unwrap().map.missing, 0.1);
+    }
+
+    #[test]
+    fn conditions_are_equal_after_writing_and_reading() {
+        for text in [
+            "",
+            "map = \"poor\"",
+            "[map]\nshift_m = 3.5\n[start]\narea_m = 20.0",
+        ] {
+            let conditions = read(text).unwrap();
+            let toml = toml::to_string(&conditions).unwrap();
+            assert_eq!(read(&toml).unwrap(), conditions, "{toml}");
+            let json = serde_json::to_string(&conditions).unwrap();
+            assert_eq!(
+                serde_json::from_str::<Conditions>(&json).unwrap(),
+                conditions
+            );
+        }
+        assert_eq!(toml::to_string(&Conditions::default()).unwrap(), "");
+        let city = read("map = \"city\"").unwrap();
+        assert_eq!(toml::to_string(&city).unwrap().trim(), "map = \"city\"");
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_with_what_can() {
+        for (text, expected) in [
+            (
+                "map = \"citty\"",
+                "no level `citty`; write one of exact, good, city, poor",
+            ),
+            ("map = 3", "write the name of a level, or a table"),
+            ("[map]\nshift = 3", "there is no `shift`; there are level, "),
+            (
+                "[map]\nshift_m = -3",
+                "shift_m = -3: give a number from 0 to 100",
+            ),
+            (
+                "[map]\nmissing = 1.5",
+                "missing = 1.5: give a number from 0 to 1",
+            ),
+            ("[map]\nmissing = \"all\"", "invalid type"),
+            ("[start]\nyaw_deg = nan", "start: invalid type"),
+            (
+                "[robot]\nencoder_marks = 0",
+                "encoder_marks = 0: give at least 1",
+            ),
+            ("[robot]\nencoder_marks = -1", "invalid value"),
+            ("[start]\nlevel = 5", "level: write its name in quotes"),
+        ] {
+            let error = read(text).unwrap_err();
+            assert!(error.contains(expected), "{text}: {error}");
+        }
+        let mut conditions = Conditions::default();
+        for (key, value, expected) in [
+            (
+                "maps",
+                "city",
+                "there is no such condition; there are map, start, robot",
+            ),
+            ("map.shift_m", "far", "map: "),
+            ("map.shift_m", "-1", "shift_m = -1: give a number"),
+            ("start", "20m", "no level `20m`"),
+        ] {
+            let error = conditions.set(key, value).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+        assert!(conditions.are_off());
+    }
+
+    #[test]
+    fn conditions_in_words_set_them_again() {
+        let mut conditions = Conditions::default();
+        assert!(conditions.words().is_empty());
+        for (key, value) in [("map", "city"), ("start", "5m"), ("start.yaw_deg", "7.5")] {
+            conditions.set(key, value).unwrap();
+        }
+        let words = conditions.words();
+        assert_eq!(
+            words,
+            ["map=city", "start.position_m=5.0", "start.yaw_deg=7.5"]
+        );
+        let mut again = Conditions::default();
+        for word in &words {
+            let (key, value) = word.split_once('=').unwrap();
+            again.set(key, value).unwrap();
+        }
+        assert_eq!(again, conditions);
+    }
+}

@@ -1,0 +1,116 @@
+//! `openbench run --condition`: what makes runs harder is drawn, recorded and verified.
+
+mod common;
+
+use common::{Place, Ran};
+use serde_json::Value;
+
+/// One delivery in the smallest built-in world.
+const SUITE: &str = "name = 'one'\n[world.builtin]\nname = 'small'\nseed = 1\n\
+    [[episodes]]\ninstruction = 'Box to unit 1, building 3.'\n\
+    [[episodes.deliveries]]\nbuilding = 'building3'\nunit = 'unit1'\n";
+
+fn place() -> Place {
+    let place = Place::new();
+    place.file("one.toml", SUITE);
+    place
+}
+
+/// Drives by the truth, so that a run takes a second.
+fn run(place: &Place, more: &str) -> Ran {
+    place.openbench(&format!(
+        "run one.toml --agent omniscient --record none --json {more}"
+    ))
+}
+
+#[test]
+fn what_is_drawn_is_in_the_results_and_verified() {
+    let place = place();
+    let conditions = "--condition map=city --condition start=5m";
+    let results = run(&place, &format!("{conditions} --seed 3 --out r"))
+        .succeeded()
+        .json();
+    assert_eq!(
+        results["conditions"],
+        serde_json::json!({"map": "city", "start": "5m"})
+    );
+    let drawn = &results["drawn_map"];
+    assert_eq!(drawn["buildings"], 3);
+    assert!(drawn["building_shift_m"].as_f64().unwrap() > 0.1, "{drawn}");
+    assert!(drawn["frame"]["x"].as_f64().unwrap() != 0.0, "{drawn}");
+    let told = &results["episodes"][0]["start"]["pose"];
+    assert_eq!(told["covariance"][0][0], 25.0, "{told}");
+    // The world is the right one still.
+    assert_eq!(results["deliveries"][0]["success_2m"], true);
+    place.openbench("verify r").succeeded();
+    // A number that the suite's level does not have.
+    let other = place.read("r/run.json").replace("\"city\"", "\"good\"");
+    place.file("r/run.json", other);
+    assert_ne!(place.openbench("verify r").code, 0);
+}
+
+#[test]
+fn each_seed_has_a_map_of_its_own() {
+    let place = place();
+    run(&place, "--condition map=good --seeds 1..2 --out both").succeeded();
+    let map = |seed: u32| -> Value {
+        let results = place.json(&format!("both/seed-{seed}/results.json"));
+        results["provenance"]["hashes"]["map"].clone()
+    };
+    assert_ne!(map(1), map(2));
+    let again = run(&place, "--condition map=good --seed 2 --out one")
+        .succeeded()
+        .json();
+    assert_eq!(again["provenance"]["hashes"]["map"], map(2));
+    place.openbench("verify both").succeeded();
+}
+
+#[test]
+fn suites_have_conditions_and_the_command_line_changes_them() {
+    let place = place();
+    // Tables come last in TOML, so the map's follows the suite's own keys.
+    place.file(
+        "hard.toml",
+        format!("start = 'block'\n{SUITE}[map]\nlevel = 'poor'\nmissing = 0.0\n"),
+    );
+    let words =
+        "run hard.toml --agent omniscient --record none --json --condition start=10m --out r";
+    let results = place.openbench(words).succeeded().json();
+    assert_eq!(results["conditions"]["start"], "10m");
+    assert_eq!(results["conditions"]["map"]["missing"], 0.0);
+    assert_eq!(results["conditions"]["map"]["shift_m"], 4.0);
+}
+
+#[test]
+fn an_agent_that_needs_a_pose_says_so() {
+    let place = place();
+    let words = "run one.toml --record none --json --condition start=block --out r";
+    let results = place.openbench(words).succeeded().json();
+    let delivery = &results["deliveries"][0];
+    assert_eq!(delivery["failure"], "lost", "{delivery}");
+    let detail = delivery["failure_detail"].as_str().unwrap();
+    assert!(detail.contains("within 75 m"), "{detail}");
+}
+
+#[test]
+fn what_there_is_not_is_refused_with_what_there_is() {
+    let place = place();
+    for (condition, expected) in [
+        ("map=village", "write one of exact, good, city, poor"),
+        ("maps=city", "there are map, start"),
+        ("map.shift_m=-1", "give a number from 0 to 100"),
+        ("map.missing=1.5", "give a number from 0 to 1"),
+        ("map.shift=1", "there is no `shift`"),
+        ("map", "KEY=VALUE"),
+        ("map.missing=1", "none of the map's 3 buildings"),
+    ] {
+        let spare = if condition == "map.missing=1" {
+            "--condition map.spares_ordered=false"
+        } else {
+            ""
+        };
+        let ran = run(&place, &format!("{spare} --condition {condition}"));
+        assert_eq!(ran.code, 2, "{condition}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{condition}: {}", ran.stderr);
+    }
+}
