@@ -114,3 +114,24 @@ fn what_there_is_not_is_refused_with_what_there_is() {
         assert!(ran.stderr.contains(expected), "{condition}: {}", ran.stderr);
     }
 }
+
+#[test]
+fn the_wrong_map_can_be_seen_and_kept() {
+    let place = place();
+    let words = "--condition map.shift_m=3 --seed 3";
+    let drawn = format!("world map one.toml {words} --out map.svg --osm wrong.osm");
+    let said = place.openbench(&drawn).succeeded().stdout.clone();
+    assert!(said.contains("the public map is moved by"), "{said}");
+    assert!(place.read("map.svg").contains("<path class=\"public\""));
+    // The map that a run with that seed gives to its agents.
+    let results = run(&place, &format!("{words} --out r")).succeeded().json();
+    let hash = results["provenance"]["hashes"]["map"].as_str().unwrap();
+    assert_eq!(
+        hash,
+        blake3::hash(place.read("wrong.osm").as_bytes())
+            .to_hex()
+            .as_str()
+    );
+    let refused = place.openbench("world map one.toml --out map.png");
+    refused.refused_with(&["map.png", ".svg"]);
+}

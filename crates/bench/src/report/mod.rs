@@ -12,6 +12,7 @@
 //! | `contacts` | collisions by class, in words |
 //! | `table` | one row per delivery |
 //! | `map` | the map of an episode, as SVG |
+//! | `public_map` | [`public_map_svg`]: a wrong public map over the world, as SVG |
 //! | `drift` | the localization error over time |
 //! | `frames` | the camera frames in which plates were read |
 //! | `across` | means over several runs and differences between systems, as plain text |
@@ -26,6 +27,7 @@ mod headline;
 mod html;
 mod input;
 mod map;
+mod public_map;
 mod reference;
 mod table;
 mod terminal;
@@ -42,6 +44,7 @@ pub use across::{comparison_table, means_table};
 pub use from_run::report_input;
 use html::escape;
 pub use input::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
+pub use public_map::public_map_svg;
 pub use terminal::terminal_table;
 
 const STYLE: &str = include_str!("style.css");

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{MapPoint, Pose2, Start};
+use openbench_geometry::Polygon;
 use openbench_osm::disturb::{BuildingError, Disturbed, MapErrors, MapState, disturb};
 use openbench_osm::{ElementId, OsmData, OsmMap};
 use openbench_scene::{Door, World};
@@ -109,6 +110,11 @@ impl<'a> OnMap<'a> {
         error.map_or(MapState::Right, |error| error.state)
     }
 
+    /// The outlines of buildings that are in the map, but not there.
+    pub fn invented(&self) -> &'a [Polygon] {
+        self.wrong.map_or(&[], |wrong| &wrong.disturbed.invented)
+    }
+
     /// What was drawn; `None` if the map is right.
     pub fn drawn(&self) -> Option<DrawnMap> {
         self.wrong.map(|wrong| DrawnMap::of(&wrong.disturbed))
@@ -191,7 +197,7 @@ impl DrawnMap {
             wrong_numbers: in_state(MapState::WrongNumber),
             unnamed: in_state(MapState::Unnamed),
             simplified: buildings.values().filter(|e| e.is_simplified).count(),
-            invented: disturbed.invented,
+            invented: disturbed.invented.len(),
             missing_roads: disturbed.missing_roads,
         }
     }

@@ -53,6 +53,16 @@ pub(super) fn picture_file(text: &str) -> Result<PathBuf, ValueError> {
     file_of_kind(text, &["png", "jpg", "jpeg"], expected)
 }
 
+/// Accepts names by which other programs take a file for a drawing.
+pub(super) fn svg_file(text: &str) -> Result<PathBuf, ValueError> {
+    file_of_kind(text, &["svg"], "a file whose name ends in .svg")
+}
+
+/// Accepts names by which other programs take a file for OSM XML.
+pub(super) fn osm_file(text: &str) -> Result<PathBuf, ValueError> {
+    file_of_kind(text, &["osm"], "a file whose name ends in .osm")
+}
+
 /// A file to write, of the kind that its ending says.
 fn file_of_kind(
     text: &str,
@@ -221,6 +231,8 @@ mod tests {
         for name in ["drive.bag", "mcap", "drive", ".mcap"] {
             assert!(mcap_file(name).is_err(), "{name}");
         }
+        assert!(svg_file("map.svg").is_ok() && svg_file("map.png").is_err());
+        assert!(osm_file("wrong.osm").is_ok() && osm_file("wrong.osm.pbf").is_err());
         let error = picture_file("tour.gif").unwrap_err().to_string();
         assert!(
             error.contains("tour.gif") && error.contains(".png"),

@@ -24,6 +24,31 @@ pub enum WorldCommand {
     Import(ImportArgs),
     /// Render a world from above or from a pose in it
     Show(ShowArgs),
+    /// Draw the public map of a suite over its world: what is wrong with it
+    Map(PublicMapArgs),
+}
+
+/// Arguments of `world map`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Examples:
+  openbench world map medium --condition map=poor --seed 3 --out map.svg
+  openbench world map worlds/city --condition map.shift_m=3 --osm wrong.osm")]
+pub struct PublicMapArgs {
+    /// A built-in suite (small, medium, large), a suite file (.toml), or a world folder
+    pub suite: String,
+    /// Seed of what is drawn, as of a run
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// A level, such as map=city, or a number, such as map.shift_m=3; may be repeated
+    #[arg(long = "condition", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub conditions: Vec<(String, String)>,
+    /// The picture
+    #[arg(long, value_name = "FILE.svg", default_value = "map.svg", value_parser = svg_file)]
+    pub out: PathBuf,
+    /// Also write the public map that agents get
+    #[arg(long, value_name = "FILE.osm", value_parser = osm_file)]
+    pub osm: Option<PathBuf>,
 }
 
 /// Arguments of `world generate`.

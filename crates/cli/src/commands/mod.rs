@@ -15,6 +15,7 @@ pub mod odometry;
 pub mod plan;
 mod planned_targets;
 pub mod prepare;
+mod public_map;
 pub mod record;
 pub mod route;
 pub mod run;

@@ -371,10 +371,7 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
     ] {
         *planned = asked.map_or(*planned, usize::from);
     }
-    for (key, value) in &args.conditions {
-        let set = suite.conditions.set(key, value);
-        set.with_context(|| format!("--condition {key}={value}"))?;
-    }
+    set_conditions(&mut suite, &args.conditions)?;
     // Each of several seeds gets its own world or map later, if that makes a difference.
     let seed = args
         .seeds
@@ -388,6 +385,18 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
         .for_each(|w| tell(&format!("{}: {w}", prepared.world.name)));
     prepared.warnings().iter().for_each(|w| tell(w));
     Ok(prepared)
+}
+
+/// Sets what `--condition` says.
+pub(super) fn set_conditions(
+    suite: &mut Suite,
+    conditions: &[(String, String)],
+) -> anyhow::Result<()> {
+    for (key, value) in conditions {
+        let set = suite.conditions.set(key, value);
+        set.with_context(|| format!("--condition {key}={value}"))?;
+    }
+    Ok(())
 }
 
 fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {

@@ -9,7 +9,7 @@ use openbench_bench::worlds::folder::{DrawRequest, WrittenWorld, write};
 use openbench_osm::default_georeference;
 
 use crate::args::{DrawArgs, GenerateArgs, ImportArgs, WorldArgs, WorldCommand};
-use crate::commands::{read_data, read_part, show::show};
+use crate::commands::{public_map::public_map, read_data, read_part, show::show};
 use crate::outcome::{Outcome, say, tell};
 use crate::progress::doing_for_long;
 
@@ -19,6 +19,7 @@ pub fn run(args: &WorldArgs) -> anyhow::Result<Outcome> {
         WorldCommand::Generate(args) => generate(args),
         WorldCommand::Import(args) => import(args),
         WorldCommand::Show(args) => show(args),
+        WorldCommand::Map(args) => public_map(args),
     }
 }
 

@@ -29,6 +29,7 @@ mod purpose;
 use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{Georeference, MapPoint, Pose2};
+use openbench_geometry::Polygon;
 use rand_pcg::Pcg64Mcg;
 
 use crate::data::OsmData;
@@ -57,8 +58,8 @@ pub struct Disturbed {
     pub frame: Pose2,
     /// The buildings of the right map, by their numbers there.
     pub buildings: BTreeMap<ElementId, BuildingError>,
-    /// Number of buildings that are not there.
-    pub invented: usize,
+    /// The outlines of buildings that are not there, in the frame of the wrong map.
+    pub invented: Vec<Polygon>,
     /// Number of roads and paths that are missing.
     pub missing_roads: usize,
 }
@@ -163,7 +164,10 @@ pub fn disturb(
     }
     let count = libm::round(errors.invented * buildings.len() as f64) as usize;
     let outlines = inventions(&map, count, seed);
-    let invented = outlines.len();
+    let invented = outlines
+        .iter()
+        .map(|outline| moved(outline, frame))
+        .collect();
     draft.invent(outlines);
     Ok(Disturbed {
         map: renumbered(&draft.finish(frame, seed)),
@@ -172,6 +176,18 @@ pub fn disturb(
         invented,
         missing_roads,
     })
+}
+
+/// An outline in the frame of the wrong map.
+fn moved(outline: &Polygon, frame: Pose2) -> Polygon {
+    let corners = |ring: &Vec<MapPoint>| -> Vec<MapPoint> {
+        let corners = ring.iter();
+        corners.map(|at| frame.transform(at.x, at.y)).collect()
+    };
+    Polygon {
+        outer: corners(&outline.outer),
+        holes: outline.holes.iter().map(corners).collect(),
+    }
 }
 
 /// The true `map` frame in that of the wrong map.

@@ -210,13 +210,13 @@ fn invented_buildings_stand_free_and_their_numbers_do_not_tell() {
         ..MapErrors::EXACT
     };
     let wrong = disturbed(&right, errors, 4);
-    assert!(wrong.invented > 10, "{}", wrong.invented);
+    assert!(wrong.invented.len() > 10, "{}", wrong.invented.len());
     let map = OsmMap::new(&wrong.map, place());
     let is_invented = |b: &Building| b.name.is_none();
     let positions: Vec<usize> = (0..map.buildings.len())
         .filter(|i| is_invented(&map.buildings[*i]))
         .collect();
-    assert_eq!(positions.len(), wrong.invented);
+    assert_eq!(positions.len(), wrong.invented.len());
     assert!(positions[0] < 50, "all of them at the end");
     for i in positions {
         for corner in &map.buildings[i].polygon.outer {
@@ -323,7 +323,7 @@ proptest! {
         let map = OsmMap::new(&wrong.map, place());
         let is_missing = |e: &&BuildingError| e.state == MapState::Missing;
         let missing = wrong.buildings.values().filter(is_missing).count();
-        prop_assert_eq!(map.buildings.len(), 20 - missing + wrong.invented);
+        prop_assert_eq!(map.buildings.len(), 20 - missing + wrong.invented.len());
         prop_assert_eq!(map.report.broken_buildings, 0);
         prop_assert_eq!(map.roads.len(), 2 - wrong.missing_roads);
         for way in wrong.map.ways.values() {

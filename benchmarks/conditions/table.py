@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""What each condition alone does to an agent: a table of its scores at each level.
+
+    cargo build --release
+    python3 benchmarks/conditions/table.py target/release/openbench FOLDER medium --seeds 10000..10004
+
+Runs that are in FOLDER already are used again. All levels have the same deliveries and seeds, so
+`lost` and `won` count deliveries that succeed without the condition and fail with it, or the other
+way round. Prints Markdown.
+"""
+
+import argparse
+import json
+import math
+import pathlib
+import statistics
+import subprocess
+
+#: Levels, each alone; the first one is what they are compared with.
+LEVELS = [
+    [],
+    ["map=good"],
+    ["map=city"],
+    ["map=poor"],
+    ["start=5m"],
+    ["start=10m"],
+    ["start=block"],
+    ["start=map"],
+    ["robot=calibrated"],
+    ["robot=worn"],
+]
+
+
+def run(args, conditions):
+    """The deliveries of all seeds with these conditions, by seed, episode and address."""
+    name = "-".join(conditions).replace("=", "-") or "off"
+    out = args.folder / name
+    words = [args.openbench, "run", args.suite, "--agent", args.agent, "--seeds", args.seeds]
+    words += ["--jobs", str(args.jobs), "--record", "none", "--out", str(out)]
+    for condition in conditions:
+        words += ["--condition", condition]
+    subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
+    deliveries = {}
+    for path in sorted(out.glob("seed-*/results.json")):
+        results = json.loads(path.read_text())
+        for one in results["deliveries"]:
+            key = (results["seed"], one["episode"], one["building"], one["unit"])
+            deliveries[key] = one
+    return deliveries
+
+
+def spl(one):
+    """Success weighted by path length, strict."""
+    shortest = one["shortest_path_m"]
+    if not one["success_2m"] or shortest is None:
+        return 0.0
+    longest = max(one["path_m"], shortest)
+    return shortest / longest if longest > 0 else 1.0
+
+
+def wilson(successes, trials):
+    """95 % interval of a share (Wilson 1927)."""
+    z, share = 1.959964, successes / trials
+    middle = (share + z * z / (2 * trials)) / (1 + z * z / trials)
+    spread = math.sqrt(share * (1 - share) / trials + z * z / (4 * trials * trials))
+    half = z * spread / (1 + z * z / trials)
+    return middle - half, middle + half
+
+
+def row(conditions, deliveries, plain):
+    ones = list(deliveries.values())
+    won = [one["success_2m"] for one in ones]
+    low, high = wilson(sum(won), len(won))
+    errors = [one["pose_error_m"] for one in ones if one["pose_error_m"] is not None]
+    before = [(plain[key]["success_2m"], one["success_2m"]) for key, one in deliveries.items()]
+    causes = {}
+    for one in ones:
+        if one["failure"]:
+            causes[one["failure"]] = causes.get(one["failure"], 0) + 1
+    cells = [
+        ", ".join(conditions) or "none",
+        str(len(ones)),
+        f"{100 * sum(won) / len(won):.0f} % ({100 * low:.0f}-{100 * high:.0f})",
+        f"{100 * statistics.fmean(map(spl, ones)):.0f} %",
+        f"{statistics.median(one['sim_seconds'] for one in ones):.0f} s",
+        f"{statistics.median(errors):.2f} m" if errors else "-",
+        str(sum(a and not b for a, b in before)),
+        str(sum(b and not a for a, b in before)),
+        ", ".join(f"{count} {name}" for name, count in sorted(causes.items())) or "-",
+    ]
+    return "| " + " | ".join(cells) + " |"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("openbench")
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("suite")
+    parser.add_argument("--seeds", default="10000..10004")
+    parser.add_argument("--agent", default="open")
+    parser.add_argument("--jobs", type=int, default=2)
+    args = parser.parse_args()
+    print("| condition | deliveries | SR (strict) | SPL | time | pose error | lost | won | causes |")
+    print("|---|---|---|---|---|---|---|---|---|", flush=True)
+    plain = None
+    for conditions in LEVELS:
+        deliveries = run(args, conditions)
+        plain = plain or deliveries
+        print(row(conditions, deliveries, plain), flush=True)
+
+
+main()
