@@ -49,12 +49,16 @@ class PolicyAgent:
             return GiveUp('the policy was trained for points; write goal = "point" in the suite')
         if self._settings.arrival is not None and "goal" not in self._settings.observations:
             raise ValueError('arrival: it is seen from the observation "goal"')
-        if briefing.start is None:
+        sees_pose = {"pose", "goal"} & set(self._settings.observations)
+        if briefing.start is None and sees_pose:
             return GiveUp("a pose is needed, and the start is not given", cause="lost")
         self._address = self.address(briefing)
         robot = json.dumps(briefing.robot)
         self._adapter = Adapter(
-            self._settings.options, robot, briefing.start, briefing.point
+            self._settings.options,
+            robot,
+            briefing.start or (0.0, 0.0, 0.0),
+            briefing.point,
         )
         self._image: Array = np.zeros((480, 640, 3), np.uint8)
         self._steps_left = 0

@@ -345,7 +345,7 @@ impl Running {
         let robot = simulator.robot();
         let optics = robot.camera_intrinsics;
         let view = View {
-            pose: simulator.base_link() * robot.camera,
+            pose: simulator.base_link() * world.prepared().defects.camera.of(robot.camera),
             size: ImageSize::new(optics.width, optics.height),
             focal_length: optics.focal_length(),
             range: PICTURE_RANGE_M,

@@ -79,7 +79,7 @@ pub struct Mount {
 
 impl Mount {
     /// The pose of a sensor on the robot that is described at `pose`.
-    pub(crate) fn of(&self, pose: Pose3) -> Pose3 {
+    pub fn of(&self, pose: Pose3) -> Pose3 {
         if *self == Self::default() {
             // Exactly the same, whatever the rounding of a product.
             return pose;

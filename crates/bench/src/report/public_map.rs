@@ -76,6 +76,11 @@ pub fn public_map_svg(prepared: &Prepared) -> Option<String> {
 }
 
 fn legend(svg: &mut String, top: f64) {
+    // Roads lead out of the picture, and would cross the words.
+    let _ = writeln!(
+        svg,
+        "<rect class=\"ground\" y=\"{top:.0}\" width=\"100%\" height=\"{LEGEND_PX}\"/>"
+    );
     let entries = [
         ("true", "the world"),
         ("missing", "missing in the map"),

@@ -158,6 +158,12 @@ fn names(number: usize, files: &FileHashes) -> Vec<String> {
 
 /// World, map, suite and memory are those of the record.
 fn check_inputs(run: &Path, record: &RunRecord, prepared: &Prepared) -> Result<(), BenchError> {
+    if record.suite.clone().with_seed(record.seed) != record.suite {
+        return Err(BenchError::Altered {
+            path: run.join(RUN),
+            detail: "map and robot are drawn from another seed than the run's".to_owned(),
+        });
+    }
     let now = Hashes::of(prepared)?;
     let then = &record.hashes;
     let pairs = [

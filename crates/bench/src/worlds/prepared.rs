@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use openbench_core::{Address, Georeference, MapPoint, Pose2, RobotDescription};
+use openbench_geometry::Bounds;
+use openbench_osm::disturb::MapErrors;
 use openbench_osm::{ElementId, OsmData, OsmMap, Projection};
 use openbench_scene::{FreeSpace, World};
 use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
@@ -139,7 +141,7 @@ impl Prepared {
             .map(|d| free_space.approach_point(d))
             .collect();
         let true_map = OsmMap::new(&world.map, world.georeference);
-        let public_time_limit = public_time_limit(&true_map, world.start.point());
+        let public_time_limit = public_time_limit(&true_map, Some(world.start.point()));
         let doors = world.scene.doors.iter();
         let door_buildings = doors.map(|door| building_of(&true_map, door)).collect();
         let (episodes, truth) = (Vec::new(), None);
@@ -174,18 +176,23 @@ impl Prepared {
 
     /// Draws the public map and what follows from it.
     fn draw_map(&mut self) -> Result<(), BenchError> {
-        let errors = &self.suite.conditions.map;
-        if errors.is_off() {
-            return Ok(());
+        let conditions = self.suite.conditions;
+        if !conditions.map.is_off() {
+            self.draw_wrong_map(&conditions.map)?;
         }
+        let start = self.on_map().point(self.world.start.point());
+        let told = Some(start).filter(|_| conditions.start.is_off());
+        self.public_time_limit = public_time_limit(self.public_map(), told);
+        Ok(())
+    }
+
+    fn draw_wrong_map(&mut self, errors: &MapErrors) -> Result<(), BenchError> {
         let targets = self.episodes.iter().flat_map(|episode| &episode.targets);
         let ordered: BTreeSet<ElementId> = targets
             .filter_map(|target| self.building(target.door?))
             .collect();
         let wrong = WrongMap::new(&self.world, errors, &ordered, self.suite.seed)?;
         self.wrong_map = Some(wrong);
-        let start = self.on_map().point(self.world.start.point());
-        self.public_time_limit = public_time_limit(self.public_map(), start);
         Ok(())
     }
 
@@ -446,11 +453,20 @@ fn entrances(map: &OsmData, georeference: Georeference) -> Vec<MapPoint> {
 }
 
 /// The time limit of a delivery as far as the public map tells: enough for a path from any building
-/// to any other one. Nothing about doors enters it.
-fn public_time_limit(map: &OsmMap, start: MapPoint) -> Duration {
-    let corners = map.buildings.iter().flat_map(|b| &b.polygon.outer);
-    let farthest = corners.map(|c| c.distance(start)).fold(0.0, f64::max);
-    let longest = PUBLIC_DETOUR * 2.0 * farthest;
+/// to any other one. Nothing about doors enters it. An agent that is not told where it starts could
+/// infer that from a limit that depends on the start, so that for it only the extent of the map
+/// counts.
+fn public_time_limit(map: &OsmMap, start: Option<MapPoint>) -> Duration {
+    let corners = || map.buildings.iter().flat_map(|b| &b.polygon.outer);
+    let across = match start {
+        Some(start) => 2.0 * corners().map(|c| c.distance(start)).fold(0.0, f64::max),
+        None => {
+            let bounds = corners().map(|corner| Bounds::of_point(*corner));
+            let bounds = bounds.reduce(|a, b| a.union(b));
+            bounds.map_or(0.0, |bounds| bounds.low.distance(bounds.high))
+        }
+    };
+    let longest = PUBLIC_DETOUR * across;
     Duration::from_secs((BASE_TIME_LIMIT_S + TIME_LIMIT_S_PER_M * longest).ceil() as u64)
 }
 
@@ -500,6 +516,21 @@ mod tests {
     }
 
     #[test]
+    fn a_limit_does_not_tell_a_start_that_the_briefing_keeps() {
+        let limit = |level: &str, start: MapPoint| {
+            let mut suite = builtin_suite("small").unwrap();
+            suite.conditions.set("start", level).unwrap();
+            let mut prepared = Prepared::world_of(suite).unwrap();
+            prepared.world.start.x = start.x;
+            prepared.draw_map().unwrap();
+            prepared.public_time_limit
+        };
+        let (here, there) = (MapPoint::new(0.0, 0.0), MapPoint::new(30.0, 0.0));
+        assert_ne!(limit("exact", here), limit("exact", there));
+        assert_eq!(limit("block", here), limit("block", there));
+    }
+
+    #[test]
     fn doors_in_the_map_do_not_change_the_limit_that_agents_are_told() {
         let prepared = Prepared::world_of(builtin_suite("small").unwrap()).unwrap();
         let (public, start) = (prepared.public_map(), prepared.world.start.point());
@@ -511,7 +542,10 @@ mod tests {
         }
         let map = OsmMap::new(&data, prepared.world.georeference);
         assert_eq!(map.entrances.len(), public.buildings.len());
-        assert_eq!(public_time_limit(&map, start), prepared.public_time_limit);
+        assert_eq!(
+            public_time_limit(&map, Some(start)),
+            prepared.public_time_limit
+        );
     }
 
     #[test]

@@ -73,7 +73,15 @@ impl TruthReader {
         Self {
             handle: truth.handle.clone(),
             stage: truth.prepared.stage.clone(),
-            robot: truth.prepared.robot.clone(),
+            robot: RobotDescription {
+                // Where the camera is, and not where it is described to be.
+                camera: truth
+                    .prepared
+                    .defects
+                    .camera
+                    .of(truth.prepared.robot.camera),
+                ..truth.prepared.robot.clone()
+            },
             least: LetterHeight::default(),
         }
     }

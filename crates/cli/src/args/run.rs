@@ -73,8 +73,9 @@ pub struct RunArgs {
     /// A setting of the agent, see below; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub settings: Vec<(String, String)>,
-    /// Makes the run harder: a level, such as map=city or start=10m, or a number, such as
-    /// map.shift_m=3; may be repeated. The suite's own stays where nothing is said
+    /// Makes the run harder: a level, such as map=city or start=10m, which sets all numbers of its
+    /// condition, or one number, such as map.shift_m=3; may be repeated, and later ones change
+    /// earlier ones. The suite's own stays where nothing is said
     #[arg(long = "condition", value_name = "KEY=VALUE", value_parser = key_value)]
     pub conditions: Vec<(String, String)>,
     /// Computing takes simulated time: an answer of a model or a policy server takes effect only as

@@ -21,7 +21,7 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
     ] {
         *planned = asked.map_or(*planned, usize::from);
     }
-    let prepared = Prepared::world_of(suite)?;
+    let prepared = Prepared::world_of(suite.with_seed(args.seed))?;
     prepared.warnings().iter().for_each(|w| tell(w));
     // A billion seconds: an instant, nanoseconds in 64 bits, holds the sum of two of them.
     let at = |seconds: f64| SimTime::ZERO + Duration::from_secs_f64(seconds.min(1e9));

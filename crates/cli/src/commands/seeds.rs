@@ -154,7 +154,8 @@ fn of_seed<'a>(
 
 /// Refuses to replace finished seeds of another run: they may have taken hours.
 fn spare_other_runs(request: &RunRequest<'_>, seeds: &[Seed]) -> anyhow::Result<()> {
-    for Seed { number, out } in seeds {
+    // A folder that does not exist holds no run, and worlds take a while to build.
+    for Seed { number, out } in seeds.iter().filter(|seed| seed.out.exists()) {
         let own = request.prepared.of_seed(*number)?;
         let request = of_seed(request, own.as_ref(), *number, out);
         // What it replaces was agreed to when it was begun.

@@ -1,5 +1,6 @@
 //! The map while it is being changed.
 
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{LonLat, MapPoint, Pose2};
@@ -7,8 +8,8 @@ use openbench_geometry::Polygon;
 use rand::RngExt;
 
 use crate::data::OsmData;
-use crate::draws::{element_number, pick, stream};
-use crate::element::{ElementId, ElementKind, Node, Way};
+use crate::draws::{element_number, stream};
+use crate::element::{ElementId, ElementKind, Member, Node, Relation, Way};
 use crate::map::OsmMap;
 use crate::projection::Projection;
 use crate::renumber::renumbered;
@@ -27,6 +28,8 @@ pub(super) struct Draft {
     projection: Projection,
     positions: BTreeMap<i64, MapPoint>,
     users: BTreeMap<i64, BTreeSet<User>>,
+    /// The building of each way that belongs to one.
+    owners: BTreeMap<i64, User>,
     next_node: i64,
     /// Buildings that are not there.
     invented: Vec<Polygon>,
@@ -49,10 +52,16 @@ impl Draft {
     ) -> Self {
         let projection = map.projection.clone();
         let place = |node: &Node| (node.id, projection.to_map(node.position));
+        let owners = owners(footprints);
         Self {
             positions: data.nodes.values().map(place).collect(),
-            users: users(data, footprints),
-            next_node: data.nodes.keys().next_back().map_or(1, |id| id + 1),
+            users: users(data, &owners),
+            owners,
+            next_node: data
+                .nodes
+                .keys()
+                .next_back()
+                .map_or(1, |id| id.saturating_add(1)),
             projection,
             data: data.clone(),
             invented: Vec::new(),
@@ -60,7 +69,12 @@ impl Draft {
     }
 
     /// Gives buildings wrong numbers, or takes their names. One that has none is right as it is.
-    pub(super) fn rename(&mut self, buildings: &mut BTreeMap<ElementId, BuildingError>, seed: u64) {
+    pub(super) fn rename(
+        &mut self,
+        buildings: &mut BTreeMap<ElementId, BuildingError>,
+        footprints: &BTreeMap<ElementId, Footprint>,
+        seed: u64,
+    ) {
         let tags = buildings.keys().filter_map(|id| self.data.tags(*id));
         let mut taken: BTreeSet<String> = tags.flat_map(numbered_names).collect();
         for (element, error) in buildings {
@@ -78,9 +92,38 @@ impl Draft {
             };
             match wrong {
                 Some(wrong) => *tags = wrong,
-                None => error.state = MapState::Right,
+                None => {
+                    error.state = MapState::Right;
+                    continue;
+                }
             }
             taken.extend(numbered_names(tags));
+            if let Some(footprint) = footprints.get(element) {
+                self.forget_names_inside(*element, footprint);
+            }
+        }
+    }
+
+    /// Takes the names of all that belongs to a building but itself: they would tell its own.
+    fn forget_names_inside(&mut self, element: ElementId, footprint: &Footprint) {
+        let ways = footprint.ways.iter().map(|id| ElementId::way(*id));
+        let relations = footprint
+            .relations
+            .iter()
+            .map(|id| ElementId::relation(*id));
+        let nodes = footprint.inside.iter().map(|id| ElementId::node(*id));
+        let outline = footprint
+            .ways
+            .iter()
+            .filter_map(|id| self.data.ways.get(id));
+        let outline: Vec<i64> = outline.flat_map(|way| way.nodes.clone()).collect();
+        let outline = outline.into_iter().map(ElementId::node);
+        for other in ways.chain(relations).chain(nodes).chain(outline) {
+            if other != element
+                && let Some(tags) = self.tags_mut(other)
+            {
+                *tags = nameless(tags);
+            }
         }
     }
 
@@ -97,7 +140,9 @@ impl Draft {
 
     /// Removes the roads and paths for which `is_missing` holds, and returns how many.
     pub(super) fn remove_roads(&mut self, is_missing: impl Fn(i64) -> bool) -> usize {
-        let roads = self.data.ways.values().filter(|w| w.tags.says("highway"));
+        let ways = self.data.ways.values();
+        // A way that is a building as well, such as a covered passage, stays one.
+        let roads = ways.filter(|w| w.tags.says("highway") && !self.owners.contains_key(&w.id));
         let missing: Vec<i64> = roads.map(|w| w.id).filter(|id| is_missing(*id)).collect();
         self.remove_elements(&missing, &[]);
         missing.len()
@@ -116,7 +161,18 @@ impl Draft {
 
     /// Removes a building with all that is its own.
     pub(super) fn remove(&mut self, footprint: &Footprint) {
-        self.remove_elements(&footprint.ways, &footprint.relations);
+        // A way that another building's relation needs for its outline stays.
+        let others = self.data.relations.values();
+        let others = others.filter(|r| !footprint.relations.contains(&r.id));
+        let needed: BTreeSet<i64> = others
+            .filter(|relation| relation.tags.says("building"))
+            .flat_map(|relation| &relation.members)
+            .filter(|member| member.kind == ElementKind::Way)
+            .map(|member| member.id)
+            .collect();
+        let own = footprint.ways.iter().copied();
+        let own: Vec<i64> = own.filter(|way| !needed.contains(way)).collect();
+        self.remove_elements(&own, &footprint.relations);
         for node in &footprint.inside {
             self.data.nodes.remove(node);
             let is_it = |kind, id| kind == ElementKind::Node && id == *node;
@@ -207,7 +263,7 @@ impl Draft {
 
     fn add_node(&mut self, at: MapPoint, user: User) -> i64 {
         let id = self.next_node;
-        self.next_node += 1;
+        self.next_node = self.next_node.saturating_add(1);
         let node = Node {
             id,
             ..Node::default()
@@ -258,13 +314,45 @@ impl Draft {
                 (node.position.lon, node.position.lat) = (lon, lat);
             }
         }
-        let places = self.invented.iter().map(|outline| {
-            let ring = outline.outer.iter();
-            let moved = ring.map(|at| frame.transform(at.x, at.y));
-            moved.map(|at| self.projection.to_lonlat(at)).collect()
-        });
-        let places: Vec<Vec<LonLat>> = places.collect();
-        with_buildings(renumbered(&self.data), &places, seed)
+        self.add_invented(frame, seed);
+        renumbered(&by_place(self.data))
+    }
+
+    /// Adds the buildings that are not there, each with the tags of one that is, but for its name.
+    fn add_invented(&mut self, frame: Pose2, seed: u64) {
+        let ways = self.data.ways.values();
+        let real = ways.filter(|way| way.tags.says("building"));
+        let real: Vec<Tags> = real.map(|way| nameless(&way.tags)).collect();
+        let mut next_way = self
+            .data
+            .ways
+            .keys()
+            .next_back()
+            .map_or(1, |id| id.saturating_add(1));
+        for (number, outline) in (1..).zip(std::mem::take(&mut self.invented)) {
+            let mut draws = stream(seed, Purpose::InventedNumber as u64, number);
+            let tags = match real.len() as u32 {
+                0 => Tags::from([("building", "yes")]),
+                count => real[draws.random_range(0..count) as usize].clone(),
+            };
+            let mut nodes: Vec<i64> = Vec::new();
+            for at in &outline.outer {
+                let id = self.add_node(*at, User::Other);
+                let at = self.projection.to_lonlat(frame.transform(at.x, at.y));
+                if let Some(node) = self.data.nodes.get_mut(&id) {
+                    node.position = LonLat::new(round7(at.lon), round7(at.lat));
+                }
+                nodes.push(id);
+            }
+            nodes.extend(nodes.first().copied());
+            let way = Way {
+                id: next_way,
+                nodes,
+                tags,
+            };
+            self.data.ways.insert(next_way, way);
+            next_way = next_way.saturating_add(1);
+        }
     }
 
     /// Removes nodes that ways used before, that nothing uses now, and that say nothing.
@@ -280,17 +368,18 @@ impl Draft {
     }
 }
 
-/// What uses each node of the map.
-fn users(
-    data: &OsmData,
-    footprints: &BTreeMap<ElementId, Footprint>,
-) -> BTreeMap<i64, BTreeSet<User>> {
+/// The building of each way that belongs to one.
+fn owners(footprints: &BTreeMap<ElementId, Footprint>) -> BTreeMap<i64, User> {
     let of_footprint = |(element, footprint): (&ElementId, &Footprint)| {
         let user = User::Building(*element);
         let ways = footprint.ways.clone().into_iter();
         ways.map(move |way| (way, user)).collect::<Vec<_>>()
     };
-    let owners: BTreeMap<i64, User> = footprints.iter().flat_map(of_footprint).collect();
+    footprints.iter().flat_map(of_footprint).collect()
+}
+
+/// What uses each node of the map.
+fn users(data: &OsmData, owners: &BTreeMap<i64, User>) -> BTreeMap<i64, BTreeSet<User>> {
     let mut users: BTreeMap<i64, BTreeSet<User>> = BTreeMap::new();
     for way in data.ways.values() {
         let user = match owners.get(&way.id) {
@@ -309,65 +398,65 @@ fn users(
     users
 }
 
-/// A renumbered map with more buildings, whose numbers lie anywhere among those of the others: at
-/// the end they would tell which were added.
-fn with_buildings(data: OsmData, outlines: &[Vec<LonLat>], seed: u64) -> OsmData {
-    if outlines.is_empty() {
-        return data;
+/// The same map with its ways and relations numbered from west to east: the order in which they
+/// were drawn would tell the name of a nameless building, and which buildings were added.
+/// Members that the data lacks are left out.
+fn by_place(mut data: OsmData) -> OsmData {
+    let west = |way: &Way| {
+        let nodes = way.nodes.iter().filter_map(|id| data.nodes.get(id));
+        let places = nodes.map(|node| [node.position.lon, node.position.lat]);
+        places.min_by(compare).unwrap_or([f64::INFINITY; 2])
+    };
+    let places: BTreeMap<i64, [f64; 2]> =
+        data.ways.values().map(|way| (way.id, west(way))).collect();
+    let ways = numbers(&places);
+    let of_relation = |relation: &Relation| {
+        let members = relation
+            .members
+            .iter()
+            .filter(|m| m.kind == ElementKind::Way);
+        let places = members.filter_map(|member| places.get(&member.id)).copied();
+        places.min_by(compare).unwrap_or([f64::INFINITY; 2])
+    };
+    let of_relations = data.relations.values();
+    let of_relations = of_relations.map(|relation| (relation.id, of_relation(relation)));
+    let relations = numbers(&of_relations.collect());
+    let nodes = &data.nodes;
+    for relation in data.relations.values_mut() {
+        relation.id = relations[&relation.id];
+        relation.members = std::mem::take(&mut relation.members)
+            .into_iter()
+            .filter_map(|member| {
+                let id = match member.kind {
+                    ElementKind::Node => nodes.contains_key(&member.id).then_some(member.id),
+                    ElementKind::Way => ways.get(&member.id).copied(),
+                    ElementKind::Relation => relations.get(&member.id).copied(),
+                };
+                Some(Member { id: id?, ..member })
+            })
+            .collect();
     }
-    let kinds: Vec<String> = data
-        .ways
-        .values()
-        .filter(|way| way.tags.says("building"))
-        .filter_map(|way| way.tags.get("building").map(str::to_owned))
-        .collect();
-    let last = data.ways.len() as i64;
-    let gap = outlines.len() as i64 + 1;
-    let mut data = spread_ways(data, gap);
-    let mut next_node = data.nodes.keys().next_back().map_or(1, |id| id + 1);
-    for (number, outline) in (1_i64..).zip(outlines) {
-        let mut draws = stream(seed, Purpose::InventedNumber as u64, number as u64);
-        let place = draws.random_range(0..last as u64 + 1) as i64;
-        let first = next_node;
-        for position in outline {
-            let (lon, lat) = (round7(position.lon), round7(position.lat));
-            let node = Node {
-                id: next_node,
-                position: LonLat::new(lon, lat),
-                tags: Tags::new(),
-            };
-            data.nodes.insert(next_node, node);
-            next_node += 1;
-        }
-        let kinds: Vec<&str> = kinds.iter().map(String::as_str).collect();
-        let kind = if kinds.is_empty() {
-            "yes"
-        } else {
-            pick(&mut draws, &kinds)
-        };
-        let way = Way {
-            id: place * gap + number,
-            nodes: (first..next_node).chain([first]).collect(),
-            tags: Tags::from([("building", kind)]),
-        };
-        data.ways.insert(way.id, way);
-    }
+    let renamed = std::mem::take(&mut data.relations).into_values();
+    data.relations = renamed.map(|relation| (relation.id, relation)).collect();
+    let renamed = std::mem::take(&mut data.ways).into_values();
+    let renamed = renamed.map(|way| Way {
+        id: ways[&way.id],
+        ..way
+    });
+    data.ways = renamed.map(|way| (way.id, way)).collect();
     data
 }
 
-/// The same map with gaps between the numbers of its ways, of which each is a multiple of `gap`.
-fn spread_ways(mut data: OsmData, gap: i64) -> OsmData {
-    let ways = std::mem::take(&mut data.ways).into_values();
-    data.ways = ways
-        .map(|way| Way {
-            id: way.id * gap,
-            ..way
-        })
-        .map(|way| (way.id, way))
-        .collect();
-    let members = data.relations.values_mut().flat_map(|r| &mut r.members);
-    for member in members.filter(|m| m.kind == ElementKind::Way) {
-        member.id *= gap;
-    }
-    data
+/// New numbers from 1 in the order of places.
+fn numbers(places: &BTreeMap<i64, [f64; 2]>) -> BTreeMap<i64, i64> {
+    let mut order: Vec<(&[f64; 2], i64)> = places.iter().map(|(id, at)| (at, *id)).collect();
+    order.sort_by(|a, b| compare(a.0, b.0).then(a.1.cmp(&b.1)));
+    (1..)
+        .zip(order)
+        .map(|(number, (_, id))| (id, number))
+        .collect()
+}
+
+fn compare(a: &[f64; 2], b: &[f64; 2]) -> Ordering {
+    a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
 }

@@ -1,7 +1,7 @@
 //! Buildings that are in the map, but not in the world.
 
 use openbench_core::{MapPoint, Pose2};
-use openbench_geometry::{Polygon, Segment, segments};
+use openbench_geometry::{Bounds, Polygon, Segment, segments};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
@@ -24,11 +24,16 @@ const CLEARANCE_M: f64 = 2.0;
 /// building nearby. Crowded maps have places for fewer.
 pub(super) fn inventions(map: &OsmMap, count: usize, seed: u64) -> Vec<Polygon> {
     let mut found: Vec<Polygon> = Vec::new();
+    // Beside the town nobody would meet them.
+    let Some(area) = area(map) else {
+        return found;
+    };
     for number in 0..count {
         let mut draws = stream(seed, Purpose::Invented as u64, number as u64);
         let place = (0..TRIES).find_map(|_| {
             let outline = outline(map, &mut draws)?;
-            is_free(map, &found, &outline).then_some(outline)
+            let is_inside = area.holds(outline.centroid(), 0.0);
+            (is_inside && is_free(map, &found, &outline)).then_some(outline)
         });
         found.extend(place);
     }
@@ -75,8 +80,11 @@ fn is_free(map: &OsmMap, invented: &[Polygon], outline: &Polygon) -> bool {
 
 /// The middle of all buildings' bounds; the origin if there are none.
 pub(super) fn middle(map: &OsmMap) -> MapPoint {
+    area(map).map_or(MapPoint::default(), |area| area.middle())
+}
+
+/// The bounds of all buildings; `None` if there are none.
+fn area(map: &OsmMap) -> Option<Bounds> {
     let bounds = map.buildings.iter().map(|b| b.polygon.bounds());
-    bounds
-        .reduce(|a, b| a.union(b))
-        .map_or(MapPoint::default(), |bounds| bounds.middle())
+    bounds.reduce(|a, b| a.union(b))
 }

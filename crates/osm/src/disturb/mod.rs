@@ -2,7 +2,8 @@
 //!
 //! [`disturb`] makes a wrong map of a right one. What it draws for one building or road depends on
 //! the seed and that element alone, so that one more kind of error changes nothing about the
-//! others.
+//! others. Only which number is wrong, and where invented buildings stand, depends on the rest of
+//! the map.
 //!
 //! | module | content |
 //! |---|---|
@@ -36,7 +37,6 @@ use crate::data::OsmData;
 use crate::draws::{chance, element_number, normal, stream};
 use crate::element::ElementId;
 use crate::map::OsmMap;
-use crate::renumber::renumbered;
 
 use draft::Draft;
 use drift::Drift;
@@ -146,7 +146,7 @@ pub fn disturb(
     }
     let frame = frame(errors, middle(&map), seed);
     let mut draft = Draft::new(data, &map, &footprints);
-    draft.rename(&mut buildings, seed);
+    draft.rename(&mut buildings, &footprints, seed);
     let missing_roads = draft.remove_roads(|way| {
         let mut draws = stream(seed, Purpose::MissingRoads as u64, way as u64);
         chance(&mut draws, errors.missing_roads)
@@ -156,6 +156,7 @@ pub fn disturb(
     for (element, footprint) in &footprints {
         let error = buildings.entry(*element).or_default();
         if error.state == MapState::Missing {
+            error.is_simplified = false;
             draft.remove(footprint);
         } else {
             let swelling = swelling(errors, *element, footprint, seed);
@@ -170,7 +171,7 @@ pub fn disturb(
         .collect();
     draft.invent(outlines);
     Ok(Disturbed {
-        map: renumbered(&draft.finish(frame, seed)),
+        map: draft.finish(frame, seed),
         frame,
         buildings,
         invented,
@@ -194,7 +195,8 @@ fn moved(outline: &Polygon, frame: Pose2) -> Polygon {
 fn frame(errors: &MapErrors, middle: MapPoint, seed: u64) -> Pose2 {
     let mut draws = stream(seed, Purpose::Whole as u64, 0);
     let shift = shift(&mut draws, errors.shift_m);
-    let yaw = (errors.rotation_deg * normal(&mut draws)).to_radians();
+    // Added to zero, since a rotation by -0 would be printed with its sign.
+    let yaw = 0.0 + (errors.rotation_deg * normal(&mut draws)).to_radians();
     // The middle turns about itself: whatever is far from it moves.
     let turned = Pose2::new(0.0, 0.0, yaw).transform(middle.x, middle.y);
     Pose2::new(

@@ -32,11 +32,22 @@ pub(super) fn renumber(
     })?;
     let numbers = (1..=FARTHEST).flat_map(|distance| parts.neighbours(distance, ascending));
     let mut changed = numbers.map(|number| {
-        let mut changed = tags.clone();
+        // Other names would tell the right one.
+        let mut changed = nameless(tags);
+        let place = tags.iter().filter(|(other, _)| is_place(other));
+        for (other, value) in place {
+            changed.insert(other, value);
+        }
         changed.insert(key, parts.with(number));
         changed
     });
     changed.find(|tags| name_by(tags, key).is_some_and(|name| !taken.contains(&name)))
+}
+
+/// Whether a key tells where a building is, and not which one it is.
+fn is_place(key: &str) -> bool {
+    let own = ["addr:housenumber", "addr:housename"];
+    key.starts_with("addr:") && !own.contains(&key)
 }
 
 /// The name that a key gives to a building, folded: a house number counts in its street.
@@ -135,10 +146,12 @@ mod tests {
         let taken = BTreeSet::from(["hill2".to_owned(), "lane3".to_owned(), "lane1".to_owned()]);
         let wrong = renumbered(&house, &taken).unwrap();
         assert!(["1", "3"].contains(&wrong.get("addr:housenumber").unwrap()));
-        // A name without a number beside it stays.
+        // What else would tell the right number is gone, the street is not.
         house.insert("name", "Town hall");
+        house.insert("alt_name", "Hill 2");
         let wrong = renumbered(&house, &taken).unwrap();
-        assert_eq!(wrong.get("name"), Some("Town hall"));
+        assert_eq!((wrong.get("name"), wrong.get("alt_name")), (None, None));
+        assert_eq!(wrong.get("addr:street"), Some("Hill"));
     }
 
     #[test]

@@ -73,6 +73,11 @@ fn buildings(data: &OsmData) -> Vec<Building> {
     OsmMap::new(data, place()).buildings
 }
 
+/// The building of that name.
+fn named<'a>(buildings: &'a [Building], name: &Option<String>) -> &'a Building {
+    buildings.iter().find(|b| b.name == *name).unwrap()
+}
+
 /// The greatest distance between the corners of two outlines.
 fn farthest(a: &Polygon, b: &Polygon) -> f64 {
     assert_eq!(a.outer.len(), b.outer.len());
@@ -85,8 +90,9 @@ fn without_errors_the_map_stays_as_it_is() {
     let right = town(3);
     let same = disturbed(&right, MapErrors::EXACT, 1);
     assert_eq!(same.frame, Pose2::default());
-    for (a, b) in buildings(&right).iter().zip(buildings(&same.map)) {
-        assert_eq!(a.name, b.name);
+    let after = buildings(&same.map);
+    for a in buildings(&right) {
+        let b = named(&after, &a.name);
         assert!(farthest(&a.polygon, &b.polygon) < 0.02);
     }
 }
@@ -106,7 +112,8 @@ fn each_building_is_shifted_on_its_own_and_the_map_as_a_whole() {
     let (before, after) = (buildings(&right), buildings(&wrong.map));
     assert_eq!(before.len(), after.len());
     let mut squares = 0.0;
-    for (a, b) in before.iter().zip(&after) {
+    for a in &before {
+        let b = named(&after, &a.name);
         for (corner, moved) in a.polygon.outer.iter().zip(&b.polygon.outer) {
             let expected = wrong.beside(Some(a.element), *corner);
             assert!(moved.distance(expected) < 0.02);
@@ -125,8 +132,10 @@ fn each_building_is_shifted_on_its_own_and_the_map_as_a_whole() {
     let addresses = wrong.map.nodes.values().filter(|n| !n.tags.is_empty());
     assert_eq!(addresses.filter(inside).count(), 200);
     let street = &OsmMap::new(&right, place()).roads[0].points;
-    for (at, moved) in street.iter().zip(&map.roads[0].points) {
-        assert!(wrong.beside(None, *at).distance(*moved) < 0.02);
+    for at in street {
+        let expected = wrong.beside(None, *at);
+        let mut nodes = map.roads.iter().flat_map(|road| &road.points);
+        assert!(nodes.any(|node| node.distance(expected) < 0.02));
     }
 }
 

@@ -121,8 +121,8 @@ impl Measure {
     pub(super) fn values(&self, episode: Episode<'_>) -> Vec<(String, f64)> {
         let is_single = episode.deliveries.len() == 1;
         match self.of {
-            Of::Singles(value) if is_single => by_door(episode, value),
-            Of::Members(value) if !is_single => by_door(episode, value),
+            Of::Singles(value) if is_single => by_door_on_map(episode, value),
+            Of::Members(value) if !is_single => by_door_on_map(episode, value),
             Of::Deliveries(value) => by_door(episode, value),
             Of::Sequences(value) if !is_single => {
                 let values: Vec<f64> = episode.deliveries.iter().map(|d| value(d)).collect();
@@ -145,6 +145,20 @@ fn whole(value: Option<f64>) -> Vec<(String, f64)> {
         .map(|value| (String::new(), value))
         .into_iter()
         .collect()
+}
+
+/// As the metrics of a run: without deliveries to buildings that the public map lacks or misnames.
+fn by_door_on_map(episode: Episode<'_>, value: Value) -> Vec<(String, f64)> {
+    let deliveries = episode.deliveries.iter().copied();
+    let deliveries: Vec<&DeliveryResult> = deliveries.filter(|d| d.on_map.is_right()).collect();
+    let deliveries = &deliveries[..];
+    by_door(
+        Episode {
+            deliveries,
+            ..episode
+        },
+        value,
+    )
 }
 
 fn by_door(episode: Episode<'_>, value: Value) -> Vec<(String, f64)> {
