@@ -93,12 +93,15 @@ impl Prepared {
             .map(|path| read_truths(path, &self.suite, &self.world.scene.doors))
             .transpose()?;
         self.episodes = self.look_up(truths.as_deref())?;
+        let before = self.public_time_limit;
         self.draw_map()?;
-        // Once more: no more than agents are told, which follows from the map.
-        let limit = |e: &PreparedEpisode| self.time_limit(e.start.point(), &e.targets);
-        let limits: Vec<Duration> = self.episodes.iter().map(limit).collect();
-        for (episode, limit) in self.episodes.iter_mut().zip(limits) {
-            episode.time_limit = limit;
+        if self.public_time_limit != before {
+            // No more than agents are told.
+            let limit = |e: &PreparedEpisode| self.time_limit(e.start.point(), &e.targets);
+            let limits: Vec<Duration> = self.episodes.iter().map(limit).collect();
+            for (episode, limit) in self.episodes.iter_mut().zip(limits) {
+                episode.time_limit = limit;
+            }
         }
         // Absolute, since `run.json` has this path, and `verify` may be started in another folder.
         self.truth =

@@ -209,6 +209,13 @@ fn wrong_numbers_are_those_of_no_building() {
         wrong_numbers > 5 && unnamed > 2,
         "{wrong_numbers}, {unnamed}"
     );
+    // Addresses inside do not tell the right number.
+    let addresses = wrong.map.nodes.values().filter(|n| !n.tags.is_empty());
+    assert_eq!(addresses.count(), 40 - unnamed - wrong_numbers);
+    // The order of the buildings does not tell their names: it is that of their places.
+    let map = OsmMap::new(&wrong.map, place());
+    let wests = map.buildings.iter().map(|b| b.polygon.bounds().low.x);
+    assert!(wests.is_sorted_by(|a, b| *a <= *b + 0.02));
 }
 
 #[test]

@@ -37,6 +37,20 @@ pub trait Condition: Copy + PartialEq + Serialize + DeserializeOwned + 'static {
     }
 }
 
+/// Checks numbers, each with its name and the largest one allowed; the smallest is 0.
+///
+/// # Errors
+/// The first number out of its range, in words.
+pub(super) fn check_ranges(numbers: &[(&str, f64, f64)]) -> Result<(), String> {
+    for (key, value, most) in numbers {
+        // False for NaN as well.
+        if !(0.0..=*most).contains(value) {
+            return Err(format!("{key} = {value}: give a number from 0 to {most}"));
+        }
+    }
+    Ok(())
+}
+
 /// A condition that cannot be set.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{key}: {problem}")]

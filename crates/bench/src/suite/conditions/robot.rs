@@ -4,7 +4,7 @@ use openbench_sim::noise::Noise;
 use openbench_sim::{Defects, Mount};
 use serde::{Deserialize, Serialize};
 
-use super::level::Condition;
+use super::level::{Condition, check_ranges};
 
 /// Stream of random numbers, distinct from those of sensors, traffic, fixes and starts.
 const RANDOM_STREAM: u64 = 34;
@@ -131,11 +131,7 @@ impl Condition for RobotErrors {
             ("clock_ms", self.clock_ms, 50.0),
             ("backlash_deg", self.backlash_deg, 30.0),
         ];
-        // False for NaN as well.
-        let is_bad = |&(_, value, most): &(_, f64, f64)| !(0.0..=most).contains(&value);
-        if let Some((key, value, most)) = numbers.into_iter().find(is_bad) {
-            return Err(format!("{key} = {value}: give a number from 0 to {most}"));
-        }
+        check_ranges(&numbers)?;
         if self.encoder_marks == 0 {
             return Err("encoder_marks = 0: give at least 1".to_owned());
         }

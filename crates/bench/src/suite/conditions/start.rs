@@ -5,7 +5,7 @@ use openbench_core::{MapPoint, Pose2, Start};
 use openbench_sim::noise::Noise;
 use serde::{Deserialize, Serialize};
 
-use super::level::Condition;
+use super::level::{Condition, check_ranges};
 
 /// Stream of random numbers, distinct from those of sensors, traffic and fixes.
 const RANDOM_STREAM: u64 = 33;
@@ -51,7 +51,7 @@ impl StartErrors {
         }
     }
 
-    /// What an agent is told of the true pose at the start.
+    /// What the briefing says about the true pose at the start.
     pub fn draw(&self, pose: Pose2, seed: u64) -> Start {
         let mut noise = Noise::new(seed, RANDOM_STREAM);
         if self.is_off() {
@@ -124,14 +124,7 @@ impl Condition for StartErrors {
             ("yaw_deg", self.yaw_deg, 180.0),
             ("area_m", self.area_m, MOST_M),
         ];
-        // False for NaN as well.
-        let is_bad = |&(_, value, most): &(_, f64, f64)| !(0.0..=most).contains(&value);
-        match numbers.into_iter().find(is_bad) {
-            Some((key, value, most)) => {
-                Err(format!("{key} = {value}: give a number from 0 to {most}"))
-            }
-            None => Ok(()),
-        }
+        check_ranges(&numbers)
     }
 }
 
