@@ -2,7 +2,8 @@
 
 use openbench_bench::suite::Condition;
 use openbench_bench::{Prepared, Rollout, Suite, builtin_suite};
-use openbench_core::{Event, Health, Pose2, PoseEstimate, Start};
+use openbench_core::{Action, Event, Health, MapPoint, Pose2, PoseEstimate, Start, Velocity};
+use openbench_osm::Projection;
 use openbench_osm::disturb::MapState;
 
 fn suite(conditions: &[(&str, &str)], seed: u64) -> Suite {
@@ -63,7 +64,7 @@ fn poses_are_measured_in_the_frame_of_the_public_map() {
 fn starts_are_given_as_the_suite_says() {
     let told = |level: &str, seed| {
         let prepared = prepared(&[("start", level)], 0);
-        let at = prepared.world.start;
+        let at = prepared.on_map().pose(prepared.world.start);
         let rollout = Rollout::new(&prepared, 0, seed).unwrap();
         (at, rollout.briefing().start)
     };
@@ -77,6 +78,48 @@ fn starts_are_given_as_the_suite_says() {
     assert_ne!(told("10m", 1), told("10m", 2));
     assert!(matches!(told("block", 1).1, Start::Area { radius_m, .. } if radius_m == 75.0));
     assert_eq!(told("map", 1).1, Start::Anywhere);
+}
+
+#[test]
+fn the_origin_does_not_tell_where_the_robot_starts() {
+    let mut shifts = Vec::new();
+    for (key, level) in [("start", "map"), ("map", "city")] {
+        for seed in 0..20 {
+            let prepared = prepared(&[(key, level)], seed);
+            let start = prepared.on_map().pose(prepared.world.start);
+            let rollout = Rollout::new(&prepared, 0, seed).unwrap();
+            let georeference = rollout.briefing().georeference;
+            assert_eq!(georeference, prepared.public_georeference());
+            assert_ne!(georeference, prepared.world.georeference);
+            shifts.push(start.point().distance(MapPoint::default()));
+        }
+    }
+    let near = shifts.iter().filter(|shift| **shift < 20.0).count();
+    assert!(near <= 4, "{shifts:?}");
+}
+
+#[test]
+fn satellite_fixes_are_in_the_frame_that_agents_have() {
+    let fix = |conditions: &[(&str, &str)]| {
+        let mut suite = suite(conditions, 3);
+        suite.sensors.gnss = true;
+        let prepared = Prepared::new(suite, None).unwrap();
+        let mut rollout = Rollout::new(&prepared, 0, 3).unwrap();
+        loop {
+            rollout.step(Action::Drive(Velocity::ZERO));
+            if let Some(fix) = rollout.observation().gnss {
+                let at = MapPoint::new(fix.position[0], fix.position[1]);
+                let georeference = rollout.briefing().georeference;
+                return Projection::new(georeference).to_lonlat(at);
+            }
+        }
+    };
+    // The same place on the Earth, whatever the frame and whatever is wrong with the map.
+    let (told, hidden) = (fix(&[]), fix(&[("start", "map")]));
+    let wrong = fix(&[("map.shift_m", "5")]);
+    for other in [hidden, wrong] {
+        assert!((told.lon - other.lon).abs() < 1e-9 && (told.lat - other.lat).abs() < 1e-9);
+    }
 }
 
 #[test]

@@ -223,18 +223,27 @@ impl Georeference {
         let offset = self.offset();
         // Subtracted from zero, since -0 would be printed with its sign.
         let nearest = |metres: f64| 0.0 - libm::round(metres / LATTICE_M) * LATTICE_M;
-        let (x, y) = (nearest(point.x - offset.x), nearest(point.y - offset.y));
+        self.with_offset(MapPoint::new(
+            nearest(point.x - offset.x),
+            nearest(point.y - offset.y),
+        ))
+    }
+
+    /// The same projection with another false origin: metres that are added to its coordinates.
+    #[must_use]
+    pub const fn with_offset(self, offset: MapPoint) -> Self {
+        let (offset_x, offset_y) = (offset.x, offset.y);
         match self {
             Self::Utm { zone, north, .. } => Self::Utm {
                 zone,
                 north,
-                offset_x: x,
-                offset_y: y,
+                offset_x,
+                offset_y,
             },
             Self::TangentPlane { at, .. } => Self::TangentPlane {
                 at,
-                offset_x: x,
-                offset_y: y,
+                offset_x,
+                offset_y,
             },
         }
     }

@@ -179,7 +179,8 @@ impl Environment {
     /// The true pose of the robot and the length of the way that is left: what no policy may know.
     pub fn privileged(&self) -> Option<(Pose2, Option<f64>)> {
         let running = self.episode.as_ref()?;
-        Some((running.true_pose(), running.left_m))
+        let on_map = self.world.prepared().on_map();
+        Some((on_map.pose(running.true_pose()), running.left_m))
     }
 
     /// A picture of the running episode, from the robot's camera. Observations do not depend on it.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use openbench_core::{
-    GnssFix, ImuSample, LidarScan, Observation, Pose2, Pose3, RobotDescription, SimTime, Velocity,
-    WheelSample,
+    GnssFix, ImuSample, LidarScan, MapPoint, Observation, Pose2, Pose3, RobotDescription, SimTime,
+    Velocity, WheelSample,
 };
 use openbench_osm::OsmMap;
 use openbench_scene::{FreeSpace, Movers, SemanticClass, Snapshot, ground_height};
@@ -63,6 +63,8 @@ pub struct Simulator {
     scan: Option<LidarScan>,
     gnss: Option<Gnss>,
     fix: Option<GnssFix>,
+    /// Added to the positions of fixes, metres.
+    fix_shift: MapPoint,
     camera: SimCamera,
     collisions: Vec<Collision>,
     contacts: ContactHistory,
@@ -120,6 +122,7 @@ impl Simulator {
             scan: None,
             gnss,
             fix: None,
+            fix_shift: MapPoint::default(),
             camera,
             collisions: Vec::new(),
             contacts: ContactHistory::default(),
@@ -168,6 +171,16 @@ impl Simulator {
             start,
             seed,
         ))
+    }
+
+    /// Satellite fixes in a frame whose coordinates are those of the world plus `shift`: that of
+    /// the map that the robot has.
+    #[must_use]
+    pub fn with_fixes_shifted(self, shift: MapPoint) -> Self {
+        Self {
+            fix_shift: shift,
+            ..self
+        }
     }
 
     /// Sets how much of the LiDAR's scans is cast from now on. The hash over all states and sensor
@@ -310,10 +323,11 @@ impl Simulator {
         if self.time.0.is_multiple_of(FIX_NS) {
             let base = self.base_link();
             let caster = self.stage.caster();
-            self.fix = self
+            let fix = self
                 .gnss
                 .as_mut()
                 .and_then(|gnss| gnss.fix(caster, self.time, &base));
+            self.fix = fix.map(|fix| shifted(fix, self.fix_shift));
         }
         // Last, so that the collision has the pose and the time of this step.
         self.note_contact();
@@ -386,6 +400,14 @@ impl Simulator {
             update(&mut hasher, &fix.position);
         }
         self.chain = *hasher.finalize().as_bytes();
+    }
+}
+
+fn shifted(fix: GnssFix, shift: MapPoint) -> GnssFix {
+    let [x, y, z] = fix.position;
+    GnssFix {
+        position: [x + shift.x, y + shift.y, z],
+        ..fix
     }
 }
 

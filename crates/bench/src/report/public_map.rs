@@ -27,7 +27,9 @@ const STYLE: &str = "\
 
 /// The world in grey, and the public map of its suite in blue; `None` without buildings.
 pub fn public_map_svg(prepared: &Prepared) -> Option<String> {
-    let (truth, public) = (prepared.true_map(), prepared.public_map());
+    // Both in the world's frame, in which the doors are.
+    let truth = prepared.true_map();
+    let public = &OsmMap::new(prepared.public_data(), prepared.world.georeference);
     let view = View::of(truth, public)?;
     let mut svg = String::new();
     let _ = write!(

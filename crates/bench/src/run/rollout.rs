@@ -527,7 +527,7 @@ fn plate(time: SimTime, reading: &Reading) -> PlateRead {
 fn briefing(prepared: &Prepared, episode: &PreparedEpisode, start: Start) -> Briefing {
     Briefing {
         map_osm: prepared.public_data().to_xml(),
-        georeference: prepared.world.georeference,
+        georeference: prepared.public_georeference(),
         goal: match (prepared.suite.goal, prepared.point_goal(episode)) {
             (GoalKind::Point, Some(point)) => Goal::Point(prepared.on_map().point(point)),
             _ => Goal::Instruction(episode.instruction.clone()),

@@ -166,10 +166,9 @@ impl Suite {
         Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
     }
 
-    /// Whether the maps or robots of this suite differ from seed to seed.
+    /// Whether the maps, their frames, or the robots of this suite differ from seed to seed.
     pub fn depends_on_seed(&self) -> bool {
-        let Conditions { map, robot, .. } = &self.conditions;
-        !(map.is_off() && robot.is_off())
+        !self.conditions.are_off()
     }
 
     /// The suite as it is with a run's seed.

@@ -13,7 +13,7 @@ use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
 use openbench_sim::{Defects, Simulator, Stage};
 
 use super::load;
-use super::public_map::{OnMap, WrongMap, building_of};
+use super::public_map::{OnMap, OtherMap, building_of};
 use super::targets::{Target, find_doors, match_doors, read_truths};
 use crate::BenchError;
 use crate::suite::{Condition, GoalKind, Suite, TargetSource};
@@ -65,8 +65,8 @@ pub struct Prepared {
     true_map: OsmMap,
     /// The building of each door of the world in that map.
     door_buildings: Vec<Option<ElementId>>,
-    /// The public map, if it is wrong.
-    wrong_map: Option<WrongMap>,
+    /// The public map, if it is not the true one.
+    other_map: Option<OtherMap>,
     /// The free space of people; `None` in a world without traffic.
     people_space: Option<FreeSpace>,
     /// The file with the true positions of the doors, if one was given.
@@ -160,7 +160,7 @@ impl Prepared {
             public_time_limit,
             true_map,
             door_buildings,
-            wrong_map: None,
+            other_map: None,
             people_space,
             truth,
         })
@@ -172,16 +172,38 @@ impl Prepared {
     /// As [`new`](Self::new).
     pub fn of_seed(&self, seed: u64) -> Result<Option<Self>, BenchError> {
         let suite = self.suite.clone().with_seed(seed);
-        let is_same = suite.seed == self.suite.seed;
-        let other = (!is_same).then(|| Self::new(suite, self.truth.as_deref()));
-        other.transpose()
+        if suite.seed == self.suite.seed {
+            return Ok(None);
+        }
+        let other = self.redrawn(suite);
+        Ok(Some(other.with_episodes(self.truth.as_deref())?))
+    }
+
+    /// The same world with another seed of what conditions draw, without its episodes.
+    fn redrawn(&self, suite: Suite) -> Self {
+        Self {
+            defects: suite.conditions.robot.draw(suite.seed),
+            suite,
+            world: self.world.clone(),
+            stage: self.stage.clone(),
+            free_space: self.free_space.clone(),
+            approach: self.approach.clone(),
+            episodes: Vec::new(),
+            robot: self.robot.clone(),
+            public_time_limit: public_time_limit(&self.true_map, Some(self.world.start.point())),
+            true_map: self.true_map.clone(),
+            door_buildings: self.door_buildings.clone(),
+            other_map: None,
+            people_space: self.people_space.clone(),
+            truth: None,
+        }
     }
 
     /// Draws the public map and what follows from it.
     fn draw_map(&mut self) -> Result<(), BenchError> {
         let conditions = self.suite.conditions;
-        if !conditions.map.is_off() {
-            self.draw_wrong_map(&conditions.map)?;
+        if !(conditions.map.is_off() && conditions.start.is_off()) {
+            self.draw_other_map(&conditions.map)?;
         }
         let start = self.on_map().point(self.world.start.point());
         let told = Some(start).filter(|_| conditions.start.is_off());
@@ -189,13 +211,13 @@ impl Prepared {
         Ok(())
     }
 
-    fn draw_wrong_map(&mut self, errors: &MapErrors) -> Result<(), BenchError> {
+    fn draw_other_map(&mut self, errors: &MapErrors) -> Result<(), BenchError> {
         let targets = self.episodes.iter().flat_map(|episode| &episode.targets);
         let ordered: BTreeSet<ElementId> = targets
             .filter_map(|target| self.building(target.door?))
             .collect();
-        let wrong = WrongMap::new(&self.world, errors, &ordered, self.suite.seed)?;
-        self.wrong_map = Some(wrong);
+        let other = OtherMap::new(&self.world, errors, &ordered, self.suite.seed)?;
+        self.other_map = Some(other);
         Ok(())
     }
 
@@ -215,21 +237,25 @@ impl Prepared {
 
     /// The public map, in metres in its own `map` frame: what agents get.
     pub fn public_map(&self) -> &OsmMap {
-        self.wrong_map
+        self.other_map
             .as_ref()
-            .map_or(&self.true_map, WrongMap::map)
+            .map_or(&self.true_map, OtherMap::map)
     }
 
     /// The data of the public map.
     pub fn public_data(&self) -> &OsmData {
-        self.wrong_map
-            .as_ref()
-            .map_or(&self.world.map, WrongMap::data)
+        let other = self.other_map.as_ref().and_then(OtherMap::data);
+        other.unwrap_or(&self.world.map)
+    }
+
+    /// How the `map` frame of the public map lies on the Earth.
+    pub fn public_georeference(&self) -> Georeference {
+        self.public_map().projection.georeference()
     }
 
     /// Where things of the world are on the public map.
     pub fn on_map(&self) -> OnMap<'_> {
-        OnMap::of(self.wrong_map.as_ref())
+        OnMap::of(self.other_map.as_ref())
     }
 
     /// The building of a door of the world, by its number in the true map.
@@ -284,7 +310,8 @@ impl Prepared {
     /// As [`simulator`](Self::simulator).
     pub fn simulator_at(&self, start: Pose2, seed: u64) -> Result<Simulator, BenchError> {
         let (stage, robot) = (self.stage.clone(), self.robot.clone());
-        let simulator = Simulator::with_defects(stage, robot, &self.defects, start, seed);
+        let simulator = Simulator::with_defects(stage, robot, &self.defects, start, seed)
+            .with_fixes_shifted(self.on_map().shift());
         match self.traffic(seed) {
             Some(traffic) => simulator.with_traffic(traffic).map_err(BenchError::world),
             None => Ok(simulator),

@@ -3,10 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{MapPoint, Pose2, Start};
-use openbench_geometry::Polygon;
+use openbench_geometry::{Bounds, Polygon};
 use openbench_osm::disturb::{BuildingError, Disturbed, MapErrors, MapState, disturb};
 use openbench_osm::{ElementId, OsmData, OsmMap};
 use openbench_scene::{Door, World};
+use openbench_sim::noise::Noise;
 use serde::{Deserialize, Serialize};
 
 use crate::BenchError;
@@ -16,14 +17,27 @@ use crate::plural::count;
 /// and under canopies.
 const DOOR_REACH_M: f64 = 5.0;
 
-/// The public map of a suite whose map is wrong.
+/// Stream of random numbers, distinct from those of starts, robots, sensors and traffic.
+const ORIGIN_STREAM: u64 = 35;
+/// Largest distance along each axis of a drawn origin from the middle of the buildings, metres.
+const ORIGIN_REACH_M: f64 = 400.0;
+
+/// The public map of a suite where it is not simply the map of the world: it has errors, or a
+/// `map` frame of its own, or both.
+///
+/// The origin of a world's frame is at the start of its robot, or near it. Agents that have to find
+/// out where they start, or how far their map is off, must not read that from an origin.
 #[derive(Debug, Clone)]
-pub(super) struct WrongMap {
-    disturbed: Disturbed,
+pub(super) struct OtherMap {
+    /// In the projection of the world, with the false origin of the world.
+    disturbed: Option<Disturbed>,
+    /// In the frame that agents get.
     map: OsmMap,
+    /// Coordinates of the frame that agents get less those of the world's, metres.
+    shift: MapPoint,
 }
 
-impl WrongMap {
+impl OtherMap {
     /// Draws the map of a world. `ordered` are the buildings that get a delivery.
     ///
     /// # Errors
@@ -35,35 +49,78 @@ impl WrongMap {
         seed: u64,
     ) -> Result<Self, BenchError> {
         let place = world.georeference;
-        let disturbed = disturb(&world.map, place, errors, ordered, seed);
-        let disturbed = disturbed.map_err(|error| BenchError::world(format!("[map] {error}")))?;
-        let map = OsmMap::new(&disturbed.map, place);
-        Ok(Self { disturbed, map })
+        let disturbed = if errors.is_exact() {
+            None
+        } else {
+            let disturbed = disturb(&world.map, place, errors, ordered, seed);
+            Some(disturbed.map_err(|error| BenchError::world(format!("[map] {error}")))?)
+        };
+        let data = disturbed.as_ref().map_or(&world.map, |wrong| &wrong.map);
+        let shift = drawn_shift(&OsmMap::new(data, place), seed);
+        let offset = place.offset();
+        let offset = MapPoint::new(offset.x + shift.x, offset.y + shift.y);
+        let map = OsmMap::new(data, place.with_offset(offset));
+        Ok(Self {
+            disturbed,
+            map,
+            shift,
+        })
     }
 
-    pub(super) fn data(&self) -> &OsmData {
-        &self.disturbed.map
+    /// The data of the map; `None` if they are those of the world.
+    pub(super) fn data(&self) -> Option<&OsmData> {
+        self.disturbed.as_ref().map(|wrong| &wrong.map)
     }
 
     pub(super) fn map(&self) -> &OsmMap {
         &self.map
     }
+
+    fn outwards(&self, at: MapPoint) -> MapPoint {
+        MapPoint::new(at.x + self.shift.x, at.y + self.shift.y)
+    }
+}
+
+/// How much a frame has to be shifted to have its origin at a random place near the middle of the
+/// buildings of `map`: whole metres.
+// Of the public map alone and of a seed, so that it tells nothing about the world.
+fn drawn_shift(map: &OsmMap, seed: u64) -> MapPoint {
+    let mut noise = Noise::new(seed, ORIGIN_STREAM);
+    let corners = map.buildings.iter().flat_map(|b| &b.polygon.outer);
+    let bounds = corners.map(|corner| Bounds::of_point(*corner));
+    let bounds = bounds.reduce(|a, b| a.union(b));
+    let middle = bounds.map_or(MapPoint::default(), |bounds| bounds.middle());
+    let mut draw = |middle: f64| {
+        let away = ORIGIN_REACH_M * (2.0 * noise.uniform() - 1.0);
+        libm::round(away - middle)
+    };
+    MapPoint::new(draw(middle.x), draw(middle.y))
 }
 
 /// Where things of the world are on the public map.
 #[derive(Debug, Clone, Copy)]
 pub struct OnMap<'a> {
-    wrong: Option<&'a WrongMap>,
+    other: Option<&'a OtherMap>,
 }
 
 impl<'a> OnMap<'a> {
-    pub(super) fn of(wrong: Option<&'a WrongMap>) -> Self {
-        Self { wrong }
+    pub(super) fn of(other: Option<&'a OtherMap>) -> Self {
+        Self { other }
     }
 
     /// The `map` frame of the world in that of the public map; `None` if they are the same.
     pub fn frame(&self) -> Option<Pose2> {
-        self.wrong.map(|wrong| wrong.disturbed.frame)
+        let other = self.other?;
+        let wrong = other.disturbed.as_ref();
+        let Pose2 { x, y, yaw } = wrong.map_or(Pose2::default(), |wrong| wrong.frame);
+        let origin = other.outwards(MapPoint::new(x, y));
+        Some(Pose2::new(origin.x, origin.y, yaw))
+    }
+
+    /// Coordinates of the public map's frame less those of the world's frame, for one place on the
+    /// Earth, metres: what satellite fixes differ by.
+    pub fn shift(&self) -> MapPoint {
+        self.other.map_or(MapPoint::default(), |other| other.shift)
     }
 
     /// A position of the world in the frame of the public map, metres.
@@ -79,10 +136,17 @@ impl<'a> OnMap<'a> {
 
     /// A position at a building of the world where the public map has that building.
     pub fn beside(&self, building: Option<ElementId>, at: MapPoint) -> MapPoint {
-        match self.wrong {
-            None => at,
-            Some(wrong) => wrong.disturbed.beside(building, at),
+        match self.wrong() {
+            None => self.point(at),
+            Some(wrong) => {
+                let beside = wrong.beside(building, at);
+                self.other.map_or(beside, |other| other.outwards(beside))
+            }
         }
+    }
+
+    fn wrong(&self) -> Option<&'a Disturbed> {
+        self.other.and_then(|other| other.disturbed.as_ref())
     }
 
     /// What is known about a start, in the frame of the public map.
@@ -103,21 +167,21 @@ impl<'a> OnMap<'a> {
 
     /// Whether the public map has a building of the world; always without errors of the map.
     pub fn state(&self, building: Option<ElementId>) -> MapState {
-        let errors = self.wrong.map(|wrong| &wrong.disturbed.buildings);
+        let errors = self.wrong().map(|wrong| &wrong.buildings);
         let error = errors
             .zip(building)
             .and_then(|(errors, id)| errors.get(&id));
         error.map_or(MapState::Right, |error| error.state)
     }
 
-    /// The outlines of buildings that are in the map, but not there.
+    /// The outlines of buildings that are in the map, but not there: in the world's frame.
     pub fn invented(&self) -> &'a [Polygon] {
-        self.wrong.map_or(&[], |wrong| &wrong.disturbed.invented)
+        self.wrong().map_or(&[], |wrong| &wrong.invented)
     }
 
     /// What was drawn; `None` if the map is right.
     pub fn drawn(&self) -> Option<DrawnMap> {
-        self.wrong.map(|wrong| DrawnMap::of(&wrong.disturbed))
+        self.wrong().map(DrawnMap::of)
     }
 }
 
@@ -136,7 +200,7 @@ fn turned(covariance: [[f64; 3]; 3], yaw: f64) -> [[f64; 3]; 3] {
 /// What was drawn for a public map.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct DrawnMap {
-    /// The `map` frame of the world in that of the public map: metres and radians.
+    /// Where the map has the origin and the axes of the world's `map` frame: metres and radians.
     pub frame: Pose2,
     /// Root mean square of the distances by which buildings are shifted on top of that, metres.
     pub building_shift_m: f64,

@@ -169,7 +169,7 @@ impl Recorder {
             level,
             faults: Faults::default(),
             scenery: Some(Scenery {
-                projection: Projection::new(prepared.world.georeference),
+                projection: Projection::new(prepared.public_georeference()),
                 map: markers::of_map(prepared.public_map()),
                 doors: markers::of_doors(&doors_on_map(prepared)),
             }),
