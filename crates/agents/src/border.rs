@@ -145,7 +145,11 @@ impl Border {
             },
             // Without coordinates. The match names all variants, so that an event with a position
             // that is added later does not pass through untranslated.
-            Event::Plan(_) | Event::Task(_) | Event::Models(_) | Event::Note(_) => event,
+            Event::Plan(_)
+            | Event::Task(_)
+            | Event::Models(_)
+            | Event::Work(_)
+            | Event::Note(_) => event,
         }
     }
 }

@@ -51,6 +51,29 @@ fn what_is_drawn_is_in_the_results_and_verified() {
 }
 
 #[test]
+fn computing_costs_time_that_is_recorded_and_repeats() {
+    let place = place();
+    let charged = |out: &str| {
+        let words = format!("run one.toml --record none --json --seed 4 --out {out}");
+        let words = format!("{words} --set reader=truth --condition compute=charged");
+        place.openbench(&words).succeeded().json()
+    };
+    let results = charged("a");
+    let computing = &results["episodes"][0]["computing"];
+    let number = |key: &str| computing[key].as_f64().unwrap();
+    assert!(number("busy_s") > 5.0, "{computing}");
+    assert!(number("latest_s") > 0.5, "{computing}");
+    assert!(computing["work"]["registration"].as_u64().unwrap() > 100);
+    assert!(computing["work"]["reading"].as_u64().unwrap() > 0);
+    assert_eq!(results["deliveries"][0]["success_2m"], true);
+    place.openbench("verify a --agent").succeeded();
+    let twice =
+        place.openbench("run one.toml --condition compute=charged --set thinking=charged --out b");
+    assert_eq!(twice.code, 2);
+    assert!(twice.stderr.contains("charged twice"), "{}", twice.stderr);
+}
+
+#[test]
 fn each_seed_has_a_map_of_its_own() {
     let place = place();
     run(&place, "--condition map=good --seeds 1..2 --out both").succeeded();

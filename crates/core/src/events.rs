@@ -8,6 +8,7 @@ use crate::health::Health;
 use crate::model_use::ModelUse;
 use crate::plan::Plan;
 use crate::sensors::Image;
+use crate::work::Work;
 
 /// An agent's estimate of its pose.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -71,6 +72,8 @@ pub enum Event {
     },
     /// Use of models so far, whenever it has grown.
     Models(ModelUse),
+    /// Work that was done for the decision on this observation.
+    Work(Work),
     /// Anything else, as text.
     Note(String),
 }

@@ -17,6 +17,7 @@
 //! | [`registry`] | [`Registry`]: exchangeable parts by name |
 //! | [`causes`] | [`with_causes`]: an error and its causes as text |
 //! | [`events`] | [`Event`], [`Events`]: what an agent reports for the log |
+//! | [`work`] | [`Work`]: what an agent computes |
 
 pub mod address;
 pub mod agent;
@@ -33,6 +34,7 @@ pub mod sensed;
 pub mod sensors;
 pub mod start;
 pub mod time;
+pub mod work;
 
 pub use address::Address;
 pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation, Velocity};
@@ -53,3 +55,4 @@ pub use sensors::{
 };
 pub use start::Start;
 pub use time::SimTime;
+pub use work::Work;

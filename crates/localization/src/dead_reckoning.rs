@@ -177,6 +177,10 @@ impl Localizer for DeadReckoning {
         "dead-reckoning"
     }
 
+    fn registers_scans(&self) -> bool {
+        false
+    }
+
     fn reset(&mut self, start: Pose2) {
         *self = Self::new(self.robot.clone());
         self.history = History::from(start);

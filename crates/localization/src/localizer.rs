@@ -39,6 +39,11 @@ pub trait Localizer {
         Pose2::default()
     }
 
+    /// Whether it registers LiDAR scans, which is most of the work of those that do.
+    fn registers_scans(&self) -> bool {
+        true
+    }
+
     /// Covariance of the newest pose as of the last scan: x and y in `map`, then yaw; m² and rad².
     /// `None` if the localizer estimates none.
     fn covariance(&self) -> Option<Matrix3<f64>> {

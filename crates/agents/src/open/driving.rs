@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use openbench_core::{
-    Event, Events, MapPoint, Pose2, RobotDescription, SimTime, Velocity, WheelSample,
+    Event, Events, MapPoint, Pose2, RobotDescription, SimTime, Velocity, WheelSample, Work,
 };
 use openbench_motion::costmap::RollingWindow;
 use openbench_motion::{
@@ -197,6 +197,10 @@ impl Driver {
             obstacles: &obstacles,
         };
         let decided = self.navigator.drive(&surroundings, &mut self.terrain);
+        events.record(Event::Work(Work::LocalPlan));
+        for _ in 0..self.terrain.take_searches() {
+            events.record(Event::Work(Work::PathSearch));
+        }
         // First, since the first path sets the time limit that `is_spent` tests.
         self.report(events);
         self.show_ground(pose.point(), now, events);

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
-    PlannedDelivery, Pose2, PoseEstimate, RobotDescription, SimTime, Velocity, with_causes,
+    PlannedDelivery, Pose2, PoseEstimate, RobotDescription, SimTime, Velocity, Work, with_causes,
 };
 use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_localization::Localizer;
@@ -294,6 +294,10 @@ impl Mission {
         self.localizer.update(observation);
         self.driver.observe_wheels(observation.wheels);
         if let Some(scan) = observation.scan {
+            if self.localizer.registers_scans() {
+                events.record(Event::Work(Work::Registration));
+            }
+            events.record(Event::Work(Work::Mapping));
             // After the localizer took in the same observation: the scan is undistorted with its
             // poses.
             let ring = self.perception.observe(scan, self.localizer.as_ref());
@@ -508,6 +512,7 @@ impl Mission {
         let here = self.localizer.pose().point();
         let nearest = loop {
             let terrain = self.driver.terrain();
+            events.record(Event::Work(Work::PathSearch));
             if let Some(nearest) = exploration::nearest(&task.waypoints, here, terrain) {
                 break nearest;
             }

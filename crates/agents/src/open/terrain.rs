@@ -55,6 +55,8 @@ pub struct Terrain {
     /// Whether the last path ends before its goal.
     partial: bool,
     search: Search,
+    /// Paths that were searched and not yet counted.
+    searches: u32,
 }
 
 impl Terrain {
@@ -77,6 +79,7 @@ impl Terrain {
             corridor: None,
             partial: false,
             search: Search::default(),
+            searches: 0,
         })
     }
 
@@ -100,6 +103,11 @@ impl Terrain {
     /// The map's roads.
     pub fn roads(&self) -> Option<&MapRouter> {
         self.roads.as_ref()
+    }
+
+    /// The number of path searches since this was last asked.
+    pub fn take_searches(&mut self) -> u32 {
+        std::mem::take(&mut self.searches)
     }
 
     /// Whether the last path leads only to a place from which more can be seen.
@@ -237,6 +245,7 @@ struct Blocked {
 impl Guide for Terrain {
     fn path(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
         self.follow(from);
+        self.searches += 1;
         self.partial = false;
         // Scans since the last call count only from here on.
         self.near.inflate();

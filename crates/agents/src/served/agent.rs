@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use openbench_core::{
     Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint,
-    ModelUse, Observation, Plan, Pose2, PoseEstimate, SimTime, TravelTimes, Velocity,
+    ModelUse, Observation, Plan, Pose2, PoseEstimate, SimTime, TravelTimes, Velocity, Work,
     frames::wrap_angle, with_causes,
 };
 use openbench_language::{GrammarPlanner, PlanRequest, Planner};
@@ -196,6 +196,7 @@ impl Errand {
     fn sense(&mut self, observation: &Observation<'_>, events: &mut dyn Events) {
         self.localizer.update(observation);
         if let Some(scan) = observation.scan {
+            events.record(Event::Work(Work::Registration));
             if let Some(scans) = &mut self.scans {
                 scans.take(scan, &self.localizer);
             }

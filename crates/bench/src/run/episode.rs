@@ -2,8 +2,10 @@
 
 use openbench_core::{Agent, Event};
 
+use super::computing;
 use crate::BenchError;
 use crate::run::rollout::{Rollout, Status};
+use crate::suite::Condition;
 use crate::trace::EpisodeTrace;
 
 /// Lets an agent drive an episode to its end.
@@ -16,21 +18,31 @@ pub fn run_episode(
 ) -> Result<EpisodeTrace, BenchError> {
     let mut events = Vec::new();
     let begun = agent.begin(rollout.briefing(), &mut events);
-    record(&mut rollout, &mut events);
-    // A refusal is a result, not an error: all deliveries fail with its cause, and the run
-    // continues.
     if let Err(give_up) = begun {
-        rollout.refuse(&give_up);
-    }
-    while rollout.status() == Status::Running {
-        let action = agent.act(&rollout.observation(), &mut events);
-        // Before the step, so that an event has the time of the observation that caused it.
         record(&mut rollout, &mut events);
-        rollout.step(action);
+        // A refusal is a result, not an error: all deliveries fail with its cause, and the run
+        // continues.
+        rollout.refuse(&give_up);
+    } else if rollout.compute().is_off() {
+        record(&mut rollout, &mut events);
+        drive(&mut rollout, agent);
+    } else {
+        computing::drive(&mut rollout, agent, std::mem::take(&mut events));
     }
     let map = agent.finish(&mut events);
     record(&mut rollout, &mut events);
     rollout.finish(map)
+}
+
+/// Computing takes no time: each decision takes effect at once.
+fn drive(rollout: &mut Rollout<'_>, agent: &mut dyn Agent) {
+    let mut events = Vec::new();
+    while rollout.status() == Status::Running {
+        let action = agent.act(&rollout.observation(), &mut events);
+        // Before the step, so that an event has the time of the observation that caused it.
+        record(rollout, &mut events);
+        rollout.step(action);
+    }
 }
 
 fn record(rollout: &mut Rollout<'_>, events: &mut Vec<Event>) {

@@ -6,6 +6,7 @@
 //! | `rollout` | [`Rollout`]: an episode, one step at a time |
 //! | `observer` | [`Observer`]: a passive observer of an episode |
 //! | `episode` | [`run_episode`]: one episode driven by an agent |
+//! | [`computing`] | a computer that takes simulated time for what agents compute |
 //! | `request` | [`RunRequest`]: the input of a run |
 //! | `episodes` | [`run`] and [`repeat`]: all episodes of a suite, on several threads |
 //! | `reached` | whether the models of a run can be reached at all |
@@ -19,6 +20,7 @@
 //! | [`threads`] | numbered jobs on several threads |
 //! | [`truth`] | [`Truth`]: what only the judge knows, for yardsticks |
 
+pub mod computing;
 mod episode;
 mod episodes;
 mod files;

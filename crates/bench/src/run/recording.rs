@@ -317,6 +317,7 @@ fn name(deed: &Deed) -> &'static str {
         Deed::WroteDoor(..) => "a door in the agent's map",
         Deed::Read(_) => "a plate",
         Deed::Asked(_) => "the use of models",
+        Deed::Computed(_) => "what was computed",
         Deed::Delivered(_) | Deed::GaveUp(_) => "a declaration",
     }
 }

@@ -20,10 +20,10 @@ use openbench_sim::{OBSERVATION_NS, Simulator};
 use super::observer::Observer;
 use crate::BenchError;
 use crate::image_file;
-use crate::suite::GoalKind;
+use crate::suite::{Compute, GoalKind};
 use crate::trace::{
-    Deed, EpisodeTrace, Failure, Frame, PlacedDoor, PlateRead, PoseError, Reading, Smoothness,
-    TaskOutcome, TimedDeed,
+    Computing, Deed, EpisodeTrace, Failure, Frame, PlacedDoor, PlateRead, PoseError, Reading,
+    Smoothness, TaskOutcome, TimedDeed,
 };
 use crate::worlds::{Prepared, PreparedEpisode};
 
@@ -69,6 +69,7 @@ pub struct Rollout<'o> {
     briefing: Briefing,
     /// The world in the frame of the public map; `None` if both are the same.
     frame: Option<Pose2>,
+    compute: Compute,
     episode: PreparedEpisode,
     simulator: Simulator,
     observers: Vec<Box<dyn Observer + 'o>>,
@@ -108,6 +109,7 @@ impl<'o> Rollout<'o> {
         Ok(Self {
             briefing: briefing(prepared, &episode, start),
             frame: prepared.on_map().frame(),
+            compute: prepared.suite.conditions.compute,
             simulator: prepared.simulator_at(episode.start, seed)?,
             task: Task::new(episode.start.point()),
             episode,
@@ -135,6 +137,11 @@ impl<'o> Rollout<'o> {
     /// The agent's briefing.
     pub fn briefing(&self) -> &Briefing {
         &self.briefing
+    }
+
+    /// Whether computing takes simulated time in this episode.
+    pub(super) fn compute(&self) -> Compute {
+        self.compute
     }
 
     /// The sensor data since the last step.
@@ -214,9 +221,17 @@ impl<'o> Rollout<'o> {
             Deed::Read(reading) => self.trace.plates.push(plate(time, reading)),
             // The agent reports its use so far, so the last report is the total.
             Deed::Asked(used) => self.trace.models = *used,
+            Deed::Computed(computing) => self.trace.computing = Some(computing.clone()),
             // Actions are applied by `step`, a refusal by `refuse`.
             Deed::Refused(_) | Deed::Delivered(_) | Deed::GaveUp(_) => {}
         }
+    }
+
+    /// Notes what computing cost in the episode.
+    pub(super) fn note_computing(&mut self, computing: Computing) {
+        let deed = Deed::Computed(computing);
+        self.enter(&deed);
+        self.keep_deed(deed);
     }
 
     fn keep_deed(&mut self, deed: Deed) {

@@ -13,7 +13,7 @@ use crate::score::metrics::{
     CollisionSum, DoorScore, EncounterSum, ExpectedPlan, Strict, Understood, collisions,
     paper_success, score_doors,
 };
-use crate::score::results::{DeliveryResult, EpisodeResult};
+use crate::score::results::{ComputingSum, DeliveryResult, EpisodeResult};
 use crate::score::statistics::Proportion;
 use crate::suite::Condition;
 use crate::trace::{EpisodeTrace, Failure, PlacedDoor, TaskOutcome};
@@ -156,6 +156,7 @@ pub fn score_episodes(prepared: &Prepared, traces: &[EpisodeTrace]) -> Vec<Episo
             localization: localization([&trace.pose_errors[..]].into_iter()),
             start: trace.start.filter(|_| !is_told_exactly),
             health: health_spans(&trace.pose_errors),
+            computing: trace.computing.as_ref().map(ComputingSum::from),
         })
         .collect()
 }

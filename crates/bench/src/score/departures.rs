@@ -1,7 +1,7 @@
 //! Departures of a run from the defaults. A reader needs them to interpret its numbers.
 
 use crate::plural::count;
-use crate::score::results::Results;
+use crate::score::results::{ComputingSum, Results};
 use crate::suite::{GoalKind, TargetSource};
 
 /// The departures of a run, a line each; empty for a run with all defaults.
@@ -48,10 +48,28 @@ pub fn departures(results: &Results) -> Vec<String> {
             .map(|word| format!("condition {word}")),
     );
     lines.extend(results.drawn_map.map(|map| map.describe()));
+    lines.extend(computing(results));
     lines.extend(unmapped(results));
     lines.extend(fallbacks(results));
     lines.extend(failed_calls(results));
     lines
+}
+
+/// How much time computing took, and how late decisions came.
+fn computing(results: &Results) -> Option<String> {
+    let sums = || results.episodes.iter().filter_map(|e| e.computing.as_ref());
+    sums().next()?;
+    let total = |value: fn(&ComputingSum) -> f64| sums().map(value).sum::<f64>();
+    let driven: f64 = results.episodes.iter().map(|e| e.sim_seconds).sum();
+    let latest = sums().map(|sum| sum.latest_s).fold(0.0, f64::max);
+    let lost: u32 = sums().map(|sum| sum.lost_observations).sum();
+    Some(format!(
+        "computing took {:.0} % of the time; decisions came up to {latest:.2} s late; the robot \
+         stood {:.0} s for want of one; {} lost",
+        100.0 * total(|sum| sum.busy_s) / driven.max(f64::MIN_POSITIVE),
+        total(|sum| sum.held_up_s),
+        count(lost as usize, "observation was", "observations were"),
+    ))
 }
 
 /// The deliveries that the rates leave out.

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, Start, input};
+use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, Start, Work, input};
 use openbench_osm::disturb::MapState;
 use openbench_sim::Defects;
 use openbench_sim::traffic::TrafficPlan;
@@ -18,7 +18,7 @@ use crate::score::health::HealthSpan;
 use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum};
 use crate::score::provenance::{Provenance, Setting};
 use crate::suite::{Conditions, GoalKind, Sensors, TargetSource};
-use crate::trace::SmoothnessSum;
+use crate::trace::{Computing, SmoothnessSum};
 use crate::worlds::DrawnMap;
 
 /// Bound for a file of results, bytes.
@@ -149,6 +149,40 @@ pub struct EpisodeResult {
     pub start: Option<Start>,
     /// The agent's reports on its own pose, in spans of equal health.
     pub health: Vec<HealthSpan>,
+    /// What computing cost; absent if it was free.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub computing: Option<ComputingSum>,
+}
+
+/// What computing cost in an episode, in simulated time.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ComputingSum {
+    /// Time for all of it, seconds.
+    pub busy_s: f64,
+    /// The longest time between an observation and the decision on it, seconds.
+    pub latest_s: f64,
+    /// Time in which the robot stood because no decision came, seconds.
+    pub held_up_s: f64,
+    /// Observations that were lost because the agent was too far behind.
+    pub lost_observations: u32,
+    /// Requests to language and vision models.
+    pub model_calls: u32,
+    /// How often each kind of work was done.
+    pub work: BTreeMap<Work, u32>,
+}
+
+impl From<&Computing> for ComputingSum {
+    fn from(sum: &Computing) -> Self {
+        let seconds = |nanoseconds: u64| nanoseconds as f64 * 1e-9;
+        Self {
+            busy_s: seconds(sum.busy_ns),
+            latest_s: seconds(sum.latest_ns),
+            held_up_s: seconds(sum.held_up_ns),
+            lost_observations: sum.lost_observations,
+            model_calls: sum.model_calls,
+            work: sum.work.clone(),
+        }
+    }
 }
 
 /// Metrics of a run.

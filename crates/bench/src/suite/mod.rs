@@ -29,7 +29,9 @@ use openbench_core::Address;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
-pub use self::conditions::{Condition, ConditionError, Conditions, RobotErrors, StartErrors};
+pub use self::conditions::{
+    Compute, Condition, ConditionError, Conditions, RobotErrors, StartErrors,
+};
 pub use self::goal::GoalKind;
 pub use self::sensors::Sensors;
 pub use self::source::WorldSource;
@@ -129,7 +131,8 @@ pub struct Suite {
     /// Sensors in addition to the benchmark's own.
     #[serde(default, skip_serializing_if = "Sensors::none")]
     pub sensors: Sensors,
-    /// What makes runs harder than the paper's: the keys `map`, `start` and `robot`.
+    /// What makes runs harder than the paper's: the keys `map`, `start`, `robot`
+    /// and `compute`.
     #[serde(flatten)]
     pub conditions: Conditions,
     /// Seed of what the conditions draw for all episodes alike; that of a run takes its place.
@@ -168,7 +171,13 @@ impl Suite {
 
     /// Whether the maps, their frames, or the robots of this suite differ from seed to seed.
     pub fn depends_on_seed(&self) -> bool {
-        !self.conditions.are_off()
+        let Conditions {
+            map,
+            start,
+            robot,
+            compute: _,
+        } = &self.conditions;
+        !(map.is_off() && start.is_off() && robot.is_off())
     }
 
     /// The suite as it is with a run's seed.

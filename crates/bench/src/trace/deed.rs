@@ -5,6 +5,8 @@ use openbench_core::{
 };
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::computing::Computing;
+
 /// A number in JSON, where what is not finite is null.
 ///
 /// Agents may report anything. JSON has no NaN and no infinity, so all of them become NaN here, in
@@ -74,6 +76,8 @@ pub enum Deed {
     Read(Reading),
     /// It reported its use of models so far; without latency.
     Asked(ModelUse),
+    /// What it computed in the whole episode, at its end.
+    Computed(Computing),
     /// It declared a delivery.
     Delivered(Address),
     /// It gave up deliveries.
@@ -135,6 +139,7 @@ impl Deed {
             | Event::Path(_)
             | Event::Costmap(_)
             | Event::Waypoints(_)
+            | Event::Work(_)
             | Event::Note(_) => return None,
         })
     }

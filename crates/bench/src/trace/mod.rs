@@ -2,10 +2,12 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `computing` | [`Computing`]: what computing cost |
 //! | `deed` | [`Deed`]: what an agent does besides driving |
 //! | `pose_error` | [`PoseError`]: the error of an estimated pose |
 //! | `smoothness` | [`Smoothness`]: turning, speed variation and stops along a drive |
 
+mod computing;
 mod deed;
 mod pose_error;
 mod smoothness;
@@ -20,6 +22,7 @@ use openbench_scene::SemanticClass;
 use openbench_sim::Collision;
 use openbench_sim::traffic::EncounterTotals;
 
+pub use computing::Computing;
 pub use deed::{Deed, Number, Reading, TimedDeed};
 pub use pose_error::PoseError;
 pub use smoothness::{Smoothness, SmoothnessSum};
@@ -164,6 +167,8 @@ pub struct EpisodeTrace {
     pub plan: Option<Plan>,
     /// The agent's use of language and vision models.
     pub models: ModelUse,
+    /// What computing cost; `None` if it was free.
+    pub computing: Option<Computing>,
     /// All collisions.
     pub collisions: Vec<Collision>,
     /// Simulated time, seconds.

@@ -8,7 +8,7 @@ use anyhow::Context;
 use openbench_bench::plural::count;
 use openbench_bench::report::terminal_table;
 use openbench_bench::suite::draw::Draw;
-use openbench_bench::suite::{Conditions, GoalKind, Sensors, deliveries};
+use openbench_bench::suite::{Condition, Conditions, GoalKind, Sensors, deliveries};
 use openbench_bench::worlds::{load, suite_named};
 use openbench_bench::{
     AgentFactory, Agents, BenchError, Episode, InterruptedRun, Prepared, Results, RunRequest,
@@ -50,6 +50,7 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
         Unfinished::Keep
     };
     let prepared = prepare(args)?;
+    charge_once(&prepared.suite, &settings)?;
     let fits = factory.check_robot(&settings, &prepared.robot);
     fits.map_err(anyhow::Error::from_boxed)?;
     prepare_agent(factory, &settings)?;
@@ -351,6 +352,17 @@ fn reach_server(
     settings: &BTreeMap<String, String>,
 ) -> anyhow::Result<()> {
     factory.reach(settings).map_err(anyhow::Error::from_boxed)
+}
+
+/// Refuses to charge for models by the clock and by the table.
+fn charge_once(suite: &Suite, settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
+    let by_clock = settings.get("thinking").is_some_and(|how| how == "charged");
+    anyhow::ensure!(
+        suite.conditions.compute.is_off() || !by_clock,
+        "models would be charged twice: by the clock (--realtime, thinking=charged) and by the \
+         table of `compute`; leave one out"
+    );
+    Ok(())
 }
 
 /// The settings of the agent.

@@ -6,7 +6,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use crate::draws::{between, stream};
-use crate::map::OsmMap;
+use crate::map::{Area, OsmMap};
+use crate::spatial::BoxTree;
 
 use super::purpose::Purpose;
 
@@ -17,7 +18,7 @@ const DISTANCE_M: [f64; 2] = [12.0, 60.0];
 /// Length and width, metres: sheds up to family houses.
 const LENGTH_M: [f64; 2] = [6.0, 15.0];
 const WIDTH_M: [f64; 2] = [4.0, 10.0];
-/// Distance from buildings and from the middle lines of roads, metres.
+/// Distance from buildings, barriers, shores and the middle lines of roads, metres.
 const CLEARANCE_M: f64 = 2.0;
 
 /// The outlines of up to `count` buildings, in free places of the map. They stand parallel to a
@@ -28,12 +29,15 @@ pub(super) fn inventions(map: &OsmMap, count: usize, seed: u64) -> Vec<Polygon> 
     let Some(area) = area(map) else {
         return found;
     };
+    let lines = Lines::of(map);
     for number in 0..count {
         let mut draws = stream(seed, Purpose::Invented as u64, number as u64);
         let place = (0..TRIES).find_map(|_| {
             let outline = outline(map, &mut draws)?;
             let is_inside = area.holds(outline.centroid(), 0.0);
-            (is_inside && is_free(map, &found, &outline)).then_some(outline)
+            let is_free =
+                is_inside && lines.spare(&outline) && is_beside_buildings(map, &found, &outline);
+            is_free.then_some(outline)
         });
         found.extend(place);
     }
@@ -60,22 +64,61 @@ fn outline(map: &OsmMap, draws: &mut Pcg64Mcg) -> Option<Polygon> {
     Polygon::new(ring.to_vec(), Vec::new())
 }
 
-/// Whether an outline keeps its distance from all that is mapped and from what was invented before.
-fn is_free(map: &OsmMap, invented: &[Polygon], outline: &Polygon) -> bool {
+/// Roads, barriers and the shores of water, by place.
+struct Lines {
+    pieces: Vec<Segment>,
+    boxes: BoxTree,
+    water: Vec<Polygon>,
+}
+
+impl Lines {
+    fn of(map: &OsmMap) -> Self {
+        let roads = map.roads.iter().map(|road| &road.points);
+        let barriers = map.barriers.iter().map(|barrier| &barrier.points);
+        let lines = roads.chain(barriers).flat_map(|points| segments(points));
+        let is_water = |area: &&Area| area.tags.get("natural") == Some("water");
+        let water = map.areas.iter().filter(is_water);
+        let water: Vec<Polygon> = water.map(|area| area.polygon.clone()).collect();
+        let pieces: Vec<Segment> = lines.chain(water.iter().flat_map(Polygon::sides)).collect();
+        let bounds =
+            |piece: &Segment| Bounds::of_point(piece.start).union(Bounds::of_point(piece.end));
+        Self {
+            boxes: BoxTree::new(pieces.iter().map(bounds)),
+            pieces,
+            water,
+        }
+    }
+
+    /// Whether nothing of it is in an outline or near it.
+    fn spare(&self, outline: &Polygon) -> bool {
+        let middle = outline.centroid();
+        let reach = outline.outer[0].distance(middle) + CLEARANCE_M;
+        let near = self.boxes.within(middle, reach).into_iter();
+        let mut near = near.map(|number| self.pieces[number]);
+        let is_clear = |piece: Segment| {
+            let mut sides = outline.sides();
+            !outline.contains(piece.start)
+                && sides.all(|side| side.distance_to(piece) > CLEARANCE_M)
+        };
+        near.all(is_clear) && !self.water.iter().any(|water| water.contains(middle))
+    }
+}
+
+/// Whether an outline keeps its distance from all buildings, and from those that were invented
+/// before.
+fn is_beside_buildings(map: &OsmMap, invented: &[Polygon], outline: &Polygon) -> bool {
     let middle = outline.centroid();
-    let radius = outline.outer[0].distance(middle);
-    let reach = radius + CLEARANCE_M;
+    let reach = outline.outer[0].distance(middle) + CLEARANCE_M;
     let near = map.buildings_within(middle, reach).into_iter();
     let mut buildings = near.map(|i| &map.buildings[i].polygon).chain(invented);
-    let is_clear = |other: &Polygon| {
+    buildings.all(|other: &Polygon| {
         let is_far = |wall: Segment| {
             let mut others = other.sides();
             others.all(|other| wall.distance_to(other) > CLEARANCE_M)
         };
-        !other.contains(middle) && outline.sides().all(is_far)
-    };
-    let mut roads = map.roads.iter().flat_map(|road| segments(&road.points));
-    buildings.all(is_clear) && !roads.any(|piece| piece.distance_to_point(middle) < reach)
+        let holds = other.contains(middle) || outline.contains(other.outer[0]);
+        !holds && outline.sides().all(is_far)
+    })
 }
 
 /// The middle of all buildings' bounds; the origin if there are none.

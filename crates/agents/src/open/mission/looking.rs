@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use openbench_core::address::fold_name;
 use openbench_core::frames::wrap_angle;
-use openbench_core::{Address, Event, Events, Image, MapPoint, Observation, SimTime};
+use openbench_core::{Address, Event, Events, Image, MapPoint, Observation, SimTime, Work};
 use openbench_geometry::Segment;
 use openbench_vision::{ReaderError, parse_unit};
 
@@ -225,6 +225,7 @@ impl Mission {
         events: &mut dyn Events,
     ) -> Result<Vec<Location>, ReaderError> {
         let pose = self.localizer.pose();
+        events.record(Event::Work(Work::Reading));
         let readings = self.reader.read(image)?;
         // All texts of plates are recorded, also those that are not located or trusted: the record
         // shows what the reader saw.

@@ -325,6 +325,8 @@ impl Recorder {
                 log.write("/models", time, &StringMessage(text))
             }
             Event::Note(text) => log.write("/note", time, &StringMessage(text.clone())),
+            // Several for each observation: the sums are in the results.
+            Event::Work(_) => Ok(()),
         }
     }
 

@@ -426,6 +426,7 @@ mod tests {
             localization: None,
             start: None,
             health: vec![],
+            computing: None,
         };
         let planned = |plans: [Option<bool>; 2]| {
             let mut run = run("w", 1, &[true, false]);

@@ -10,7 +10,9 @@
 //! | `map` | `[map]`: how wrong the public map is |
 //! | `start` | `[start]`: how well an agent knows where it starts |
 //! | `robot` | `[robot]`: how far the robot differs from its description |
+//! | `compute` | `[compute]`: whether computing takes simulated time |
 
+mod compute;
 mod level;
 mod map;
 mod robot;
@@ -20,6 +22,7 @@ use openbench_osm::disturb::MapErrors;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+pub use compute::Compute;
 pub use level::{Condition, ConditionError};
 pub use robot::RobotErrors;
 pub use start::StartErrors;
@@ -61,20 +64,37 @@ pub struct Conditions {
         skip_serializing_if = "Condition::is_off"
     )]
     pub robot: RobotErrors,
+    /// Whether computing takes simulated time.
+    #[serde(
+        serialize_with = "level::serialize",
+        deserialize_with = "level::deserialize",
+        skip_serializing_if = "Condition::is_off"
+    )]
+    pub compute: Compute,
 }
 
 impl Conditions {
     /// Whether nothing is harder than in the paper.
     pub fn are_off(&self) -> bool {
-        self.map.is_off() && self.start.is_off() && self.robot.is_off()
+        let Self {
+            map,
+            start,
+            robot,
+            compute,
+        } = self;
+        map.is_off() && start.is_off() && robot.is_off() && compute.is_off()
     }
 
     /// Those that are not off, as the command line takes them: `map=city`, or `map.shift_m=3` for
     /// each number of one that is no level.
     pub fn words(&self) -> Vec<String> {
-        let map = level::words(&self.map);
-        let start = level::words(&self.start);
-        [map, start, level::words(&self.robot)].concat()
+        [
+            level::words(&self.map),
+            level::words(&self.start),
+            level::words(&self.robot),
+            level::words(&self.compute),
+        ]
+        .concat()
     }
 
     /// Sets a condition to a level (`map`, `city`), or one of its numbers (`map.shift_m`, `3`).
@@ -90,6 +110,7 @@ impl Conditions {
             MapErrors::KEY => set(&mut self.map, number, value),
             StartErrors::KEY => set(&mut self.start, number, value),
             RobotErrors::KEY => set(&mut self.robot, number, value),
+            Compute::KEY => set(&mut self.compute, number, value),
             _ => Err(ConditionError {
                 key: key.to_owned(),
                 problem: format!("there is no such condition; there are {}", NAMES.join(", ")),
@@ -99,7 +120,12 @@ impl Conditions {
 }
 
 /// The conditions by name.
-const NAMES: [&str; 3] = [MapErrors::KEY, StartErrors::KEY, RobotErrors::KEY];
+const NAMES: [&str; 4] = [
+    MapErrors::KEY,
+    StartErrors::KEY,
+    RobotErrors::KEY,
+    Compute::KEY,
+];
 
 fn set<C: Condition>(
     condition: &mut C,
@@ -192,7 +218,7 @@ mod tests {
             (
                 "maps",
                 "city",
-                "there is no such condition; there are map, start, robot",
+                "there is no such condition; there are map, start, robot, compute",
             ),
             ("map.shift_m", "far", "map: "),
             ("map.shift_m", "-1", "shift_m = -1: give a number"),
