@@ -62,7 +62,7 @@ fn computing_costs_time_that_is_recorded_and_repeats() {
     let computing = &results["episodes"][0]["computing"];
     let number = |key: &str| computing[key].as_f64().unwrap();
     assert!(number("busy_s") > 5.0, "{computing}");
-    assert!(number("latest_s") > 0.5, "{computing}");
+    assert!(number("latest_s") > 0.4, "{computing}");
     assert!(computing["work"]["registration"].as_u64().unwrap() > 100);
     assert!(computing["work"]["reading"].as_u64().unwrap() > 0);
     assert_eq!(results["deliveries"][0]["success_2m"], true);

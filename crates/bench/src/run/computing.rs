@@ -21,15 +21,15 @@ use crate::trace::Computing;
 /// lost.
 const MOST_WAITING: usize = 40;
 
-/// What work costs on the reference computer: a small one, whose cores are three times slower than
-/// that of the machine on which the times in `benchmarks/conditions` were measured.
+/// What work costs on the reference computer: three times as much as on the machine of the table in
+/// `docs/conditions.md`. Small computers of robots are about so much slower than a server.
 pub const fn cost_of(work: Work) -> Duration {
     Duration::from_millis(match work {
-        Work::Registration => 12,
-        Work::Mapping => 5,
-        Work::PathSearch => 25,
-        Work::LocalPlan => 8,
-        Work::Reading => 600,
+        Work::Registration => 10,
+        Work::Mapping => 15,
+        Work::PathSearch => 75,
+        Work::LocalPlan => 5,
+        Work::Reading => 500,
     })
 }
 
