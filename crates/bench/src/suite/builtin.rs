@@ -13,7 +13,7 @@ pub struct BuiltIn {
 }
 
 /// All built-in suites.
-pub const BUILT_IN: [BuiltIn; 3] = [
+pub const BUILT_IN: [BuiltIn; 8] = [
     BuiltIn {
         name: "small",
         singles: 8,
@@ -32,7 +32,22 @@ pub const BUILT_IN: [BuiltIn; 3] = [
         sequences: 2,
         length: 5,
     },
+    place("krems"),
+    place("heidelberg"),
+    place("campus"),
+    place("bayreuth"),
+    place("monaco"),
 ];
+
+/// The suite of a real place.
+const fn place(name: &'static str) -> BuiltIn {
+    BuiltIn {
+        name,
+        singles: 10,
+        sequences: 2,
+        length: 5,
+    }
+}
 
 /// The names of the built-in suites.
 pub fn builtin_suites() -> Vec<String> {

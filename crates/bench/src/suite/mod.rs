@@ -9,6 +9,8 @@
 //! | `sensors` | [`Sensors`]: sensors in addition to the benchmark's own |
 //! | `conditions` | [`Conditions`]: what makes a run harder than the paper's |
 //! | `builtin` | the contents of the built-in suites |
+//! | [`split`] | [`Split`](split::Split): what worlds and seeds may be used for |
+//! | `tracks` | [`Track`]: suites that say how hard they are |
 //! | [`deliveries`] | files of deliveries, with or without annotations |
 //! | [`truth_file`] | the published files of true door positions |
 //! | [`draw`] | random deliveries with instructions |
@@ -20,7 +22,9 @@ pub mod draw;
 mod goal;
 mod sensors;
 mod source;
+pub mod split;
 mod target_source;
+mod tracks;
 pub mod truth_file;
 
 use std::path::{Path, PathBuf};
@@ -36,6 +40,7 @@ pub use self::goal::GoalKind;
 pub use self::sensors::Sensors;
 pub use self::source::WorldSource;
 pub use self::target_source::TargetSource;
+pub use self::tracks::{TRACKS, Track};
 use crate::BenchError;
 
 /// One episode: an instruction and the doors that it requests.

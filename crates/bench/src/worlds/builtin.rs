@@ -9,7 +9,8 @@ use crate::suite::builtin::{BUILT_IN, builtin_suites};
 use crate::suite::draw::Draw;
 use crate::suite::{Conditions, GoalKind, Sensors, Suite, TargetSource, WorldSource};
 
-/// The built-in suite `small`, `medium` or `large`; the same deliveries on every call.
+/// A built-in suite: `small`, `medium`, `large`, or that of a real place, such as `krems`; the same
+/// deliveries on every call.
 ///
 /// ```
 /// let suite = openbench_bench::builtin_suite("small")?;

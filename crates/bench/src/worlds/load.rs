@@ -7,6 +7,7 @@ use openbench_scene::World;
 use openbench_scene::generate;
 use openbench_scene::{ImportRequest, import_world};
 
+use super::places::Place;
 use super::recipe::Recipe;
 use crate::BenchError;
 use crate::suite::WorldSource;
@@ -39,6 +40,9 @@ fn builtin(name: &str, seed: u64) -> Result<World, BenchError> {
         name: name.to_owned(),
         known: builtin_suites(),
     };
+    if let Some(place) = Place::named(name) {
+        return place.world(seed);
+    }
     let world = generate::builtin(name, seed).ok_or_else(unknown)?;
     world.map_err(BenchError::world)
 }

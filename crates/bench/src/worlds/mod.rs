@@ -9,6 +9,7 @@
 //! | `recipe` | [`Recipe`]: sources and parameters of a world |
 //! | `public_map` | [`OnMap`]: the map that agents get, and how it differs from the world |
 //! | [`hashes`] | [`Hashes`]: what a run was made in |
+//! | `places` | real places whose maps the crate carries |
 //! | `named` | [`suite_named`]: the suite that a user names |
 //! | [`folder`] | worlds as folders: recipe, maps, suite |
 
@@ -17,6 +18,7 @@ pub mod folder;
 pub mod hashes;
 mod load;
 mod named;
+mod places;
 mod prepared;
 mod public_map;
 mod recipe;
