@@ -29,7 +29,10 @@ use openbench_core::Address;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
-pub use self::conditions::{Condition, ConditionError, Conditions, RobotErrors, StartErrors};
+pub(crate) use self::conditions::draw_lens;
+pub use self::conditions::{
+    Condition, ConditionError, Conditions, LightLevel, RobotErrors, StartErrors,
+};
 pub use self::goal::GoalKind;
 pub use self::sensors::Sensors;
 pub use self::source::WorldSource;

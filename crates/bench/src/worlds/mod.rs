@@ -10,6 +10,7 @@
 //! | `public_map` | [`OnMap`]: the map that agents get, and how it differs from the world |
 //! | [`hashes`] | [`Hashes`]: what a run was made in |
 //! | `named` | [`suite_named`]: the suite that a user names |
+//! | `surroundings` | [`surroundings()`]: what a robot's sensors meet |
 //! | [`folder`] | worlds as folders: recipe, maps, suite |
 
 mod builtin;
@@ -20,6 +21,7 @@ mod named;
 mod prepared;
 mod public_map;
 mod recipe;
+mod surroundings;
 mod targets;
 
 pub use builtin::builtin_suite;
@@ -29,4 +31,5 @@ pub use named::suite_named;
 pub use prepared::{Prepared, PreparedEpisode};
 pub use public_map::{DrawnMap, OnMap};
 pub use recipe::Recipe;
+pub use surroundings::surroundings;
 pub use targets::Target;

@@ -10,17 +10,24 @@
 //! | `map` | `[map]`: how wrong the public map is |
 //! | `start` | `[start]`: how well an agent knows where it starts |
 //! | `robot` | `[robot]`: how far the robot differs from its description |
+//! | `camera` | `[camera]`: what is wrong with the camera |
+//! | `light` | `[light]`: the hour of day, clouds, lamps |
 
+mod camera;
 mod level;
+mod light;
 mod map;
 mod robot;
 mod start;
 
 use openbench_osm::disturb::MapErrors;
+use openbench_sim::CameraErrors;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+pub(crate) use camera::draw_lens;
 pub use level::{Condition, ConditionError};
+pub use light::LightLevel;
 pub use robot::RobotErrors;
 pub use start::StartErrors;
 
@@ -61,12 +68,27 @@ pub struct Conditions {
         skip_serializing_if = "Condition::is_off"
     )]
     pub robot: RobotErrors,
+    /// What is wrong with the camera.
+    #[serde(
+        serialize_with = "level::serialize",
+        deserialize_with = "level::deserialize",
+        skip_serializing_if = "Condition::is_off"
+    )]
+    pub camera: CameraErrors,
+    /// The hour of day, clouds, lamps.
+    #[serde(
+        serialize_with = "level::serialize",
+        deserialize_with = "level::deserialize",
+        skip_serializing_if = "Condition::is_off"
+    )]
+    pub light: LightLevel,
 }
 
 impl Conditions {
     /// Whether nothing is harder than in the paper.
     pub fn are_off(&self) -> bool {
-        self.map.is_off() && self.start.is_off() && self.robot.is_off()
+        let is_sensed = !(self.camera.is_off() && self.light.is_off());
+        self.map.is_off() && self.start.is_off() && self.robot.is_off() && !is_sensed
     }
 
     /// Those that are not off, as the command line takes them: `map=city`, or `map.shift_m=3` for
@@ -74,7 +96,24 @@ impl Conditions {
     pub fn words(&self) -> Vec<String> {
         let map = level::words(&self.map);
         let start = level::words(&self.start);
-        [map, start, level::words(&self.robot)].concat()
+        let robot = level::words(&self.robot);
+        let camera = level::words(&self.camera);
+        [map, start, robot, camera, level::words(&self.light)].concat()
+    }
+
+    /// The names of a condition's levels; the first one is off.
+    ///
+    /// # Errors
+    /// A condition that there is not.
+    pub fn levels(key: &str) -> Result<Vec<&'static str>, ConditionError> {
+        match key {
+            MapErrors::KEY => Ok(names::<MapErrors>()),
+            StartErrors::KEY => Ok(names::<StartErrors>()),
+            RobotErrors::KEY => Ok(names::<RobotErrors>()),
+            CameraErrors::KEY => Ok(names::<CameraErrors>()),
+            LightLevel::KEY => Ok(names::<LightLevel>()),
+            _ => Err(unknown(key)),
+        }
     }
 
     /// Sets a condition to a level (`map`, `city`), or one of its numbers (`map.shift_m`, `3`).
@@ -90,16 +129,32 @@ impl Conditions {
             MapErrors::KEY => set(&mut self.map, number, value),
             StartErrors::KEY => set(&mut self.start, number, value),
             RobotErrors::KEY => set(&mut self.robot, number, value),
-            _ => Err(ConditionError {
-                key: key.to_owned(),
-                problem: format!("there is no such condition; there are {}", NAMES.join(", ")),
-            }),
+            CameraErrors::KEY => set(&mut self.camera, number, value),
+            LightLevel::KEY => set(&mut self.light, number, value),
+            _ => Err(unknown(key)),
         }
     }
 }
 
+fn unknown(key: &str) -> ConditionError {
+    ConditionError {
+        key: key.to_owned(),
+        problem: format!("there is no such condition; there are {}", NAMES.join(", ")),
+    }
+}
+
+fn names<C: Condition>() -> Vec<&'static str> {
+    C::LEVELS.iter().map(|(name, _)| *name).collect()
+}
+
 /// The conditions by name.
-const NAMES: [&str; 3] = [MapErrors::KEY, StartErrors::KEY, RobotErrors::KEY];
+const NAMES: [&str; 5] = [
+    MapErrors::KEY,
+    StartErrors::KEY,
+    RobotErrors::KEY,
+    CameraErrors::KEY,
+    LightLevel::KEY,
+];
 
 fn set<C: Condition>(
     condition: &mut C,
@@ -143,6 +198,8 @@ mod tests {
             "",
             "map = \"poor\"",
             "[map]\nshift_m = 3.5\n[start]\narea_m = 20.0",
+            "camera = \"cheap\"\nlight = \"night\"",
+            "[camera]\nlevel = \"good\"\ndrops = 7\n[light]\ndrawn = true",
         ] {
             let conditions = read(text).unwrap();
             let toml = toml::to_string(&conditions).unwrap();
@@ -183,6 +240,24 @@ mod tests {
             ),
             ("[robot]\nencoder_marks = -1", "invalid value"),
             ("[start]\nlevel = 5", "level: write its name in quotes"),
+            (
+                "camera = \"old\"",
+                "no level `old`; write one of perfect, good, cheap",
+            ),
+            (
+                "[camera]\nvignetting = 1.5",
+                "vignetting = 1.5: give a number from 0 to 1",
+            ),
+            (
+                "[camera]\nreadout_ms = -1",
+                "readout_ms = -1: give a number from 0 to 50",
+            ),
+            ("[camera]\ndrops = -1", "invalid value"),
+            ("light = \"dawn\"", "write one of noon, day, overcast, dusk"),
+            (
+                "[light]\nclouds = 2",
+                "clouds = 2: give a number from 0 to 1",
+            ),
         ] {
             let error = read(text).unwrap_err();
             assert!(error.contains(expected), "{text}: {error}");
@@ -192,7 +267,7 @@ mod tests {
             (
                 "maps",
                 "city",
-                "there is no such condition; there are map, start, robot",
+                "there is no such condition; there are map, start, robot, ",
             ),
             ("map.shift_m", "far", "map: "),
             ("map.shift_m", "-1", "shift_m = -1: give a number"),
@@ -202,6 +277,20 @@ mod tests {
             assert!(error.contains(expected), "{error}");
         }
         assert!(conditions.are_off());
+    }
+
+    #[test]
+    fn every_level_of_every_condition_can_be_set() {
+        for key in NAMES {
+            for (i, level) in Conditions::levels(key).unwrap().into_iter().enumerate() {
+                let mut conditions = Conditions::default();
+                conditions.set(key, level).unwrap();
+                assert_eq!(conditions.are_off(), i == 0, "{key}={level}");
+                let words = conditions.words();
+                assert_eq!(words.len(), usize::from(i > 0), "{words:?}");
+            }
+        }
+        assert!(Conditions::levels("maps").is_err());
     }
 
     #[test]
