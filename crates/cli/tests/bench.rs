@@ -15,6 +15,8 @@ fn the_simulators_speed_is_measured_and_dumped_for_peers() {
         "lidar_mrays_per_core_second",
         "cast_mrays_per_core_second",
         "camera_fps_per_core",
+        "camera_day_fps_per_core",
+        "camera_night_fps_per_core",
         "rtf_lidar",
         "rtf_camera",
         "load_seconds",

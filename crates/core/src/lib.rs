@@ -6,6 +6,7 @@
 //! | [`time`] | [`SimTime`]: simulated time in nanoseconds |
 //! | [`sensors`] | [`LidarScan`], [`ImuSample`], [`WheelSample`], [`Image`], [`Camera`] |
 //! | [`sensed`] | [`Sensed`]: an observation that can be kept and sent |
+//! | [`distortion`] | [`Distortion`]: how a lens bends straight lines |
 //! | [`robot`] | [`RobotDescription`]: size, sensor poses and limits of the robot |
 //! | [`address`] | [`Address`]: building and unit |
 //! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: deliveries in driving order |
@@ -22,6 +23,7 @@
 pub mod address;
 pub mod agent;
 pub mod causes;
+pub mod distortion;
 pub mod events;
 pub mod frames;
 pub mod health;
@@ -39,6 +41,7 @@ pub mod work;
 pub use address::Address;
 pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation, Velocity};
 pub use causes::with_causes;
+pub use distortion::{Distortion, PlanePoint};
 pub use events::{CostGrid, Discard, Event, Events, PoseEstimate};
 pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};
 pub use health::{Doubt, Health};

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::distortion::Distortion;
 use crate::frames::Pose3;
 use crate::sensors::CameraIntrinsics;
 
@@ -76,6 +77,7 @@ impl RobotDescription {
                 height: 480,
                 // 80 degrees.
                 horizontal_fov: 1.3963,
+                distortion: Distortion::default(),
             },
             gnss: None,
         }

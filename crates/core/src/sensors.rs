@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::distortion::{Distortion, PlanePoint};
 use crate::time::SimTime;
 
 /// A sample of the inertial measurement unit, in its own frame.
@@ -81,7 +82,8 @@ pub struct Image {
     pub rgb: Vec<u8>,
 }
 
-/// A pinhole camera without distortion. Optical axes: x right, y down, z forward.
+/// A camera with square pixels and its principal point in the middle. Optical axes: x right, y
+/// down, z forward.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CameraIntrinsics {
     /// Columns.
@@ -90,6 +92,9 @@ pub struct CameraIntrinsics {
     pub height: u32,
     /// Horizontal field of view, radians.
     pub horizontal_fov: f64,
+    /// Distortion of the lens; the field of view is that without it.
+    #[serde(default, skip_serializing_if = "Distortion::is_none")]
+    pub distortion: Distortion,
 }
 
 impl CameraIntrinsics {
@@ -103,11 +108,13 @@ impl CameraIntrinsics {
     /// with x = 1.
     pub fn ray(&self, u: f64, v: f64) -> [f64; 3] {
         let f = self.focal_length();
-        [
-            1.0,
-            (self.width as f64 / 2.0 - u) / f,
-            (self.height as f64 / 2.0 - v) / f,
-        ]
+        let seen = PlanePoint {
+            x: (u - self.width as f64 / 2.0) / f,
+            y: (v - self.height as f64 / 2.0) / f,
+        };
+        let straight = self.distortion.undistort(seen);
+        // Pixels count to the right and down, `camera_link` to the left and up.
+        [1.0, -straight.x, -straight.y]
     }
 
     /// Pixel (column, row) of a point in `camera_link`; `None` if it is behind the camera or
@@ -120,10 +127,20 @@ impl CameraIntrinsics {
         }
         let f = self.focal_length();
         // Pixels count to the right and down, `camera_link` to the left and up.
-        let (u, v) = (
+        let (mut u, mut v) = (
             self.width as f64 / 2.0 - f * y / x,
             self.height as f64 / 2.0 - f * z / x,
         );
+        // Without distortion exactly the same, whatever the rounding of products.
+        if !self.distortion.is_none() {
+            let straight = PlanePoint {
+                x: -y / x,
+                y: -z / x,
+            };
+            let seen = self.distortion.distort(straight)?;
+            u = self.width as f64 / 2.0 + f * seen.x;
+            v = self.height as f64 / 2.0 + f * seen.y;
+        }
         let inside =
             (0.0..self.width as f64).contains(&u) && (0.0..self.height as f64).contains(&v);
         inside.then_some((u, v))

@@ -31,7 +31,7 @@ mod world;
 pub use bvh::{Hit, Movers, Placed, RayPacket, TriangleBvh};
 pub use free_space::{FreeSpace, ground_height};
 pub use import::{ImportError, ImportRequest, ObjError, import_world};
-pub use material::{Material, MaterialId, SemanticClass, Texture, TextureId};
+pub use material::{Finish, Material, MaterialId, SemanticClass, Texture, TextureId};
 pub use raycast::{RayCaster, Snapshot, Surface, nearest_texel};
 pub use scene::{
     Corner, Door, Layer, Object, Scene, SceneBuilder, SolidMesh, Sun, Triangle, Vertex,

@@ -54,6 +54,18 @@ pub struct Texture {
     pub rgba: Arc<[u8]>,
 }
 
+/// How a surface meets light, beyond its colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Finish {
+    /// As paper: all light comes back evenly.
+    #[default]
+    Matt,
+    /// Panes: light passes through, or is thrown back as by a mirror. Rooms behind may be lit.
+    Glass,
+    /// The glass of a lamp, which is lit in the dark.
+    Lamp,
+}
+
 /// How a surface looks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
@@ -67,6 +79,8 @@ pub struct Material {
     pub class: SemanticClass,
     /// Share of the LiDAR light that is reflected at normal incidence, 0 to 255.
     pub reflectivity: u8,
+    /// What happens to light that is not spread evenly. Only some conditions make a difference.
+    pub finish: Finish,
 }
 
 impl Material {
@@ -80,6 +94,7 @@ impl Material {
             cutout: false,
             class,
             reflectivity: (luma * 150.0) as u8,
+            finish: Finish::Matt,
         }
     }
 

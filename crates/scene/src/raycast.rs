@@ -9,7 +9,7 @@ use std::sync::Arc;
 use crate::bvh::{
     Beam, CastAmong, Hit, LANES, Lane, MISS, Movers, PacketHits, RayPacket, TriangleBvh, widest,
 };
-use crate::material::{Material, Texture};
+use crate::material::{Finish, Material, Texture};
 use crate::scene::{Scene, Triangle};
 
 /// A scene that rays can be cast into. Cheap to clone, and can be shared between threads.
@@ -67,6 +67,8 @@ pub struct Surface {
     pub normal: [f32; 3],
     /// Share of the LiDAR light that is reflected at normal incidence, 0 to 255.
     pub reflectivity: u8,
+    /// How it meets light beyond that.
+    pub finish: Finish,
     material: u32,
 }
 
@@ -92,6 +94,7 @@ impl RayCaster {
         let surface = |t: &Triangle| Surface {
             normal: normal(t.corners.map(corner)),
             reflectivity: scene.materials[t.material.0 as usize].reflectivity,
+            finish: scene.materials[t.material.0 as usize].finish,
             material: t.material.0,
         };
         let uv = |t: &Triangle| t.corners.map(|i| scene.vertices[i as usize].uv);
@@ -216,6 +219,18 @@ impl Snapshot<'_> {
         beam: &Beam,
         rays: &[RayPacket; K],
     ) -> [PacketHits; K] {
+        self.cast_block_at(beam, rays, 0.0)
+    }
+
+    /// The same at `lag` seconds relative to that instant, from
+    /// -[`SWEEP_S`](crate::bvh::SWEEP_S) to 0.
+    #[inline(always)]
+    pub fn cast_block_at<const K: usize>(
+        &self,
+        beam: &Beam,
+        rays: &[RayPacket; K],
+        lag: f32,
+    ) -> [PacketHits; K] {
         let opaque = |hit: &Hit| !self.caster.is_hole(hit);
         let mut hits = self.caster.visible.cast_block(beam, rays, opaque);
         if !self.movers.is_empty() {
@@ -225,7 +240,7 @@ impl Snapshot<'_> {
                     movers,
                     figures,
                     rays,
-                    lags: &[0.0; LANES],
+                    lags: &[lag; LANES],
                     opaque: &opaque,
                     hits,
                 });

@@ -7,6 +7,7 @@ use openbench_core::{Camera, CameraIntrinsics, Image, Pose3, SimTime};
 use openbench_scene::Movers;
 
 use crate::exposure::AutoExposure;
+use crate::real_camera::RealCamera;
 use crate::render::{ImageSize, Renderer, View};
 
 /// Least simulated time between two images, nanoseconds.
@@ -32,6 +33,8 @@ pub(crate) struct SimCamera {
     last: Cell<Option<SimTime>>,
     image: RefCell<Option<Arc<Image>>>,
     exposure: Cell<AutoExposure>,
+    /// A camera with faults or in another light, which takes the images instead.
+    real: Option<RealCamera>,
 }
 
 impl SimCamera {
@@ -47,6 +50,19 @@ impl SimCamera {
             last: Cell::new(None),
             image: RefCell::new(None),
             exposure: Cell::default(),
+            real: None,
+        }
+    }
+
+    /// Takes the images with a camera that has faults, or in another light.
+    pub(crate) fn replace(&mut self, real: RealCamera) {
+        self.real = Some(real);
+    }
+
+    /// Notes where the robot is between two observations.
+    pub(crate) fn pass(&mut self, time: SimTime, base_link: Pose3) {
+        if let Some(real) = &mut self.real {
+            real.pass(time, base_link * self.mount);
         }
     }
 
@@ -55,19 +71,31 @@ impl SimCamera {
         self.movers = movers;
         self.time = time;
         self.pose = base_link * self.mount;
+        if let Some(real) = &mut self.real {
+            real.pass(time, self.pose);
+            real.measure(&self.renderer, &self.movers, time);
+        }
     }
 
     /// Takes an image, exposed by what the camera measured last.
     fn expose(&self) -> Image {
-        let exposure = self.adjusted_exposure();
-        let rgb = self.render(&self.view(1, exposure.factor()));
-        self.exposure.set(exposure);
+        let rgb = match &self.real {
+            Some(real) => real.expose(&self.renderer, &self.movers, self.time),
+            None => self.picture(),
+        };
         Image {
             stamp: self.time,
             width: self.size.width,
             height: self.size.height,
             rgb,
         }
+    }
+
+    fn picture(&self) -> Vec<u8> {
+        let exposure = self.adjusted_exposure();
+        let rgb = self.render(&self.view(1, exposure.factor()));
+        self.exposure.set(exposure);
+        rgb
     }
 
     fn render(&self, view: &View) -> Vec<u8> {

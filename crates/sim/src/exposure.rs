@@ -44,6 +44,49 @@ impl AutoExposure {
     }
 }
 
+/// The exposure of a camera in light of any strength: powers of two of the factor on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LightMeter {
+    stops: f64,
+}
+
+impl LightMeter {
+    /// The exposure at which the mean grey value is the target; at most `most` stops. `mean` gives
+    /// the mean grey value at a factor on the light, with which it grows.
+    pub(crate) fn settled(most: f64, mean: impl Fn(f32) -> f64) -> Self {
+        /// Halvings of the range until the rest is a hundredth of a stop.
+        const HALVINGS: usize = 11;
+        let (mut low, mut high) = (-MAX_STOPS, most);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if mean(libm::exp2(middle) as f32) < TARGET {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Self {
+            stops: 0.5 * (low + high),
+        }
+    }
+
+    /// This exposure after `seconds` in which it approached another one.
+    pub(crate) fn towards(self, wanted: Self, seconds: f64, lag_s: f64) -> Self {
+        // An exponential approach in closed form. Without lag the quotient is infinite, or NaN for
+        // no time, and then the approach is whole.
+        let left = libm::exp(-seconds.max(0.0) / lag_s);
+        let left = if left.is_nan() { 0.0 } else { left };
+        Self {
+            stops: wanted.stops + left * (self.stops - wanted.stops),
+        }
+    }
+
+    /// Factor on the light.
+    pub(crate) fn factor(&self) -> f64 {
+        libm::exp2(self.stops)
+    }
+}
+
 /// Stops between an image's mean and the target. Grey values grow with the square root of the
 /// light.
 fn error_stops(rgb: &[u8]) -> f64 {
@@ -88,6 +131,24 @@ mod tests {
             let settled = AutoExposure::settled(&seen(grey, &AutoExposure::default()));
             assert!((mean(&seen(grey, &settled)) - TARGET).abs() < 2.0);
         }
+    }
+
+    #[test]
+    fn a_meter_finds_the_exposure_of_any_light() {
+        for light in [0.5, 1e-2, 1e-5] {
+            let mean = |factor: f32| 255.0 * (light * f64::from(factor)).min(1.0).sqrt();
+            let meter = LightMeter::settled(18.0, mean);
+            assert!(
+                (mean(meter.factor() as f32) - TARGET).abs() < 2.0,
+                "{light}"
+            );
+        }
+        let dark = LightMeter::settled(3.0, |_| 0.0);
+        assert!((2.9..3.0).contains(&dark.stops));
+        let before = LightMeter { stops: 1.0 };
+        assert_eq!(before.towards(dark, 5.0, 0.0), dark);
+        let half = before.towards(LightMeter { stops: 3.0 }, 1.0, 1.0 / std::f64::consts::LN_2);
+        assert!((half.stops - 2.0).abs() < 1e-9);
     }
 
     #[test]

@@ -25,6 +25,7 @@ use crate::lidar::{Lidar, SCAN_NS, Scanning};
 use crate::noise::Noise;
 use crate::physics::Physics;
 use crate::stage::Stage;
+use crate::surroundings::Surroundings;
 use crate::traffic::{
     Mover, MoverKind, PERSON_RADIUS_M, RobotState, RobotWatch, Traffic, TrafficPlan,
 };
@@ -71,6 +72,7 @@ pub struct Simulator {
     /// Speed of the robot's fastest corner when the last step began, m/s.
     speed: f64,
     chain: [u8; 32],
+    seed: u64,
 }
 
 impl Simulator {
@@ -128,9 +130,22 @@ impl Simulator {
             contacts: ContactHistory::default(),
             speed: 0.0,
             chain: [0; 32],
+            seed,
         };
         simulator.move_camera();
         simulator
+    }
+
+    /// Changes what the sensors meet: a camera with faults, another light. Before traffic or after
+    /// it, but before the first step.
+    pub fn in_surroundings(mut self, surroundings: &Surroundings) -> Self {
+        let optics = self.robot.camera_intrinsics;
+        let camera = surroundings.camera(&optics, self.stage.caster(), self.seed);
+        if let Some(camera) = camera {
+            self.camera.replace(camera);
+            self.move_camera();
+        }
+        self
     }
 
     /// Puts people and cars into the world.
@@ -316,6 +331,7 @@ impl Simulator {
                 .push(self.imu.sample(self.time, &self.physics));
             self.wheel_samples.push(self.encoders.sample(self.time));
         }
+        self.camera.pass(self.time, self.physics.base_link());
         self.lidar_path.push(self.base_link() * self.lidar_mount);
         if self.time.0.is_multiple_of(SCAN_NS) {
             self.take_scan();

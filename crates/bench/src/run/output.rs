@@ -2,7 +2,7 @@
 
 use openbench_core::ModelUse;
 use openbench_osm::{OsmData, merge_entrances};
-use openbench_sim::Defects;
+use openbench_sim::{Defects, LensBuild};
 
 use super::record::RunRecord;
 use crate::score::deliveries;
@@ -37,6 +37,12 @@ pub(super) struct MachineTimes {
 fn drawn(prepared: &Prepared) -> Option<Defects> {
     let is_off = prepared.suite.conditions.robot.is_off();
     (!is_off).then_some(prepared.defects)
+}
+
+/// The lens of the camera, if a suite has any drawn.
+fn drawn_lens(prepared: &Prepared) -> Option<LensBuild> {
+    let is_off = prepared.suite.conditions.camera.is_off();
+    (!is_off).then(|| prepared.surroundings.lens.clone())
 }
 
 /// A finished run.
@@ -98,6 +104,8 @@ impl FinishedRun<'_> {
             conditions: prepared.suite.conditions,
             drawn_map: prepared.on_map().drawn(),
             drawn_robot: drawn(prepared),
+            drawn_lens: drawn_lens(prepared),
+            drawn_light: prepared.surroundings.light,
             memory: record.memory.clone(),
             metrics: summarize(&deliveries, &totals),
             episodes: deliveries::score_episodes(prepared, traces),

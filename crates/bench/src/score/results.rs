@@ -9,8 +9,8 @@ use std::path::Path;
 
 use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, Start, Work, input};
 use openbench_osm::disturb::MapState;
-use openbench_sim::Defects;
 use openbench_sim::traffic::TrafficPlan;
+use openbench_sim::{Daylight, Defects, LensBuild};
 use serde::{Deserialize, Serialize};
 
 use crate::error::ResultsError;
@@ -63,6 +63,12 @@ pub struct Results {
     /// How the robot differed from its description; absent if it did not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_robot: Option<Defects>,
+    /// The lens of the camera as it was; absent if it was perfect.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn_lens: Option<LensBuild>,
+    /// Hour, sun, clouds and lamps; absent if the light was the world's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn_light: Option<Daylight>,
     /// The doors from earlier runs that the agent knew; absent without a memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<MemoryUse>,
@@ -517,6 +523,8 @@ pub(crate) mod tests {
             conditions: Conditions::default(),
             drawn_map: None,
             drawn_robot: None,
+            drawn_lens: None,
+            drawn_light: None,
             memory: None,
             metrics: Metrics::default(),
             episodes: vec![],

@@ -33,8 +33,9 @@ use openbench_core::Address;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use self::conditions::draw_lens;
 pub use self::conditions::{
-    Compute, Condition, ConditionError, Conditions, RobotErrors, StartErrors,
+    Compute, Condition, ConditionError, Conditions, LightLevel, RobotErrors, StartErrors,
 };
 pub use self::goal::GoalKind;
 pub use self::sensors::Sensors;
@@ -174,15 +175,14 @@ impl Suite {
         Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
     }
 
-    /// Whether the maps, their frames, or the robots of this suite differ from seed to seed.
+    /// Whether maps, their frames, robots or surroundings of this suite differ from seed to seed.
     pub fn depends_on_seed(&self) -> bool {
-        let Conditions {
-            map,
-            start,
-            robot,
-            compute: _,
-        } = &self.conditions;
-        !(map.is_off() && start.is_off() && robot.is_off())
+        // Costs of computing are the same for all.
+        let drawn = Conditions {
+            compute: Compute::default(),
+            ..self.conditions
+        };
+        !drawn.are_off()
     }
 
     /// The suite as it is with a run's seed.

@@ -11,6 +11,7 @@
 //! | [`hashes`] | [`Hashes`]: what a run was made in |
 //! | `places` | real places whose maps the crate carries |
 //! | `named` | [`suite_named`]: the suite that a user names |
+//! | `surroundings` | [`surroundings()`]: what a robot's sensors meet |
 //! | [`folder`] | worlds as folders: recipe, maps, suite |
 
 mod builtin;
@@ -22,6 +23,7 @@ mod places;
 mod prepared;
 mod public_map;
 mod recipe;
+mod surroundings;
 mod targets;
 
 pub use builtin::builtin_suite;
@@ -31,4 +33,5 @@ pub use named::suite_named;
 pub use prepared::{Prepared, PreparedEpisode};
 pub use public_map::{DrawnMap, OnMap};
 pub use recipe::Recipe;
+pub use surroundings::surroundings;
 pub use targets::Target;

@@ -10,10 +10,11 @@ use openbench_osm::disturb::MapErrors;
 use openbench_osm::{ElementId, OsmData, OsmMap, Projection};
 use openbench_scene::{FreeSpace, World};
 use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
-use openbench_sim::{Defects, Simulator, Stage};
+use openbench_sim::{Defects, Simulator, Stage, Surroundings};
 
 use super::load;
 use super::public_map::{OnMap, OtherMap, building_of};
+use super::surroundings::surroundings;
 use super::targets::{Target, find_doors, match_doors, read_truths};
 use crate::BenchError;
 use crate::suite::{Condition, GoalKind, Suite, TargetSource};
@@ -59,6 +60,8 @@ pub struct Prepared {
     pub robot: RobotDescription,
     /// How the robot differs from that.
     pub defects: Defects,
+    /// What its sensors meet.
+    pub surroundings: Surroundings,
     /// The time limit of a delivery that agents are told: it follows from the public map alone.
     pub public_time_limit: Duration,
     /// The map of the world as it is, without doors, in metres.
@@ -129,7 +132,9 @@ impl Prepared {
     /// episodes are.
     fn with_true_map(suite: Suite) -> Result<Self, BenchError> {
         let world = load(&suite.world)?;
-        let robot = suite.sensors.robot();
+        let mut robot = suite.sensors.robot();
+        robot.camera_intrinsics.distortion = suite.conditions.camera.distortion();
+        let surroundings = surroundings(&world, &suite.conditions, suite.seed);
         let defects = suite.conditions.robot.draw(suite.seed);
         let stage =
             Stage::with_figures(world.scene.clone(), suite.traffic).map_err(BenchError::world)?;
@@ -157,6 +162,7 @@ impl Prepared {
             episodes,
             robot,
             defects,
+            surroundings,
             public_time_limit,
             true_map,
             door_buildings,
@@ -183,6 +189,7 @@ impl Prepared {
     fn redrawn(&self, suite: Suite) -> Self {
         Self {
             defects: suite.conditions.robot.draw(suite.seed),
+            surroundings: surroundings(&self.world, &suite.conditions, suite.seed),
             suite,
             world: self.world.clone(),
             stage: self.stage.clone(),
@@ -311,7 +318,8 @@ impl Prepared {
     pub fn simulator_at(&self, start: Pose2, seed: u64) -> Result<Simulator, BenchError> {
         let (stage, robot) = (self.stage.clone(), self.robot.clone());
         let simulator = Simulator::with_defects(stage, robot, &self.defects, start, seed)
-            .with_fixes_shifted(self.on_map().shift());
+            .with_fixes_shifted(self.on_map().shift())
+            .in_surroundings(&self.surroundings);
         match self.traffic(seed) {
             Some(traffic) => simulator.with_traffic(traffic).map_err(BenchError::world),
             None => Ok(simulator),

@@ -161,6 +161,8 @@ fn table(speed: &SimSpeed) -> String {
          LiDAR          {:8.2} million rays a second, noise and points included\n\
          casting alone  {:8.2} million rays a second\n\
          camera         {:8.1} images of 640 x 480 a second\n\
+         cheap, by day  {:8.1} the same with noise, blur, rolling shutter and shadows\n\
+         cheap, night   {:8.1} the same at night, with lamps\n\
          with LiDAR     {:8.1} x real time\n\
          and images     {:8.1} x real time, ten a second\n\
          loading        {:8.2} s\n\
@@ -172,6 +174,8 @@ fn table(speed: &SimSpeed) -> String {
         speed.lidar_mrays_per_core_second,
         speed.cast_mrays_per_core_second,
         speed.camera_fps_per_core,
+        speed.camera_day_fps_per_core,
+        speed.camera_night_fps_per_core,
         speed.rtf_lidar,
         speed.rtf_camera,
         speed.load_seconds,

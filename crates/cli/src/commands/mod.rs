@@ -22,6 +22,7 @@ pub mod run;
 mod seeds;
 pub mod serve;
 pub mod show;
+mod show_conditions;
 pub mod srtp;
 pub mod verify;
 pub mod world;

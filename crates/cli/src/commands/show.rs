@@ -14,6 +14,7 @@ use openbench_scene::{Movers, RayCaster, Scene, SemanticClass, World, ground_hei
 use openbench_sim::{ImageSize, Labels, Simulator, Stage, View};
 use serde_json::json;
 
+use super::show_conditions;
 use crate::args::ShowArgs;
 use crate::outcome::{Outcome, say, tell};
 
@@ -29,6 +30,13 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
         cars: args.cars.into(),
     };
     let stage = Stage::with_figures(world.scene.clone(), plan)?;
+    let is_robots = args.levels.is_some() || !args.conditions.is_empty();
+    if let Some(pose) = args.from.filter(|_| is_robots) {
+        refuse_outside(&world, pose)?;
+        let image = show_conditions::image(args, &world, &stage, pose)?;
+        write_picture(&args.out, image, args.quality)?;
+        return report(args, &world);
+    }
     let view = match args.from {
         Some(pose) => {
             refuse_outside(&world, pose)?;
@@ -42,16 +50,21 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
     };
     let movers = movers(&world, &stage, plan, args.after)?;
     let renderer = stage.renderer();
-    write_picture(
-        &args.out,
-        view.size,
-        renderer.render(&view, &movers),
-        args.quality,
-    )?;
+    let image = Image {
+        stamp: Default::default(),
+        width: view.size.width,
+        height: view.size.height,
+        rgb: renderer.render(&view, &movers),
+    };
+    write_picture(&args.out, image, args.quality)?;
     // Labels are another rendering, so they are made on request only.
     if args.depth.is_some() || args.classes.is_some() || args.instances.is_some() {
         write_labels(args, &renderer.labels(&view, &movers), &world.scene)?;
     }
+    report(args, &world)
+}
+
+fn report(args: &ShowArgs, world: &World) -> anyhow::Result<Outcome> {
     let scene = &world.scene;
     say(&format!(
         "{}: {} triangles, {} doors, start {:.2},{:.2},{:.0}; picture in {}\n",
@@ -81,13 +94,7 @@ fn movers(world: &World, stage: &Stage, plan: TrafficPlan, after: u16) -> anyhow
 }
 
 /// JPEG if the name says so, PNG otherwise.
-fn write_picture(path: &Path, size: ImageSize, rgb: Vec<u8>, quality: u8) -> anyhow::Result<()> {
-    let image = Image {
-        stamp: Default::default(),
-        width: size.width,
-        height: size.height,
-        rgb,
-    };
+fn write_picture(path: &Path, image: Image, quality: u8) -> anyhow::Result<()> {
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let bytes = if ending == "jpg" || ending == "jpeg" {
         image_file::jpeg_of_quality(&image, quality)?

@@ -1,6 +1,6 @@
 //! `sensor_msgs/CameraInfo`.
 
-use openbench_core::{CameraIntrinsics, SimTime};
+use openbench_core::{CameraIntrinsics, Distortion, SimTime};
 
 use super::{Definition, Header, Message};
 use crate::cdr::{CdrError, CdrReader, CdrWriter};
@@ -11,7 +11,7 @@ const REGION_OF_INTEREST: &Definition = &Definition {
     parts: &[],
 };
 
-/// `sensor_msgs/CameraInfo` of a camera without distortion, binning and region of interest.
+/// `sensor_msgs/CameraInfo` of a camera without binning and region of interest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraInfo {
     /// Time stamp, and the optical frame of the camera: z forward, x to the right.
@@ -22,11 +22,14 @@ pub struct CameraInfo {
     pub height: u32,
     /// The camera matrix K, 3×3, row by row, pixels.
     pub k: [f64; 9],
+    /// Coefficients of the model `plumb_bob`: k1, k2, p1, p2, k3.
+    pub d: [f64; 5],
 }
 
 impl CameraInfo {
     /// What a camera with square pixels and its principal point in the middle reports.
     pub fn new(stamp: SimTime, frame: &str, intrinsics: CameraIntrinsics) -> Self {
+        let Distortion { k1, k2, p1, p2 } = intrinsics.distortion;
         let f = intrinsics.focal_length();
         let cx = f64::from(intrinsics.width) / 2.0;
         let cy = f64::from(intrinsics.height) / 2.0;
@@ -35,6 +38,7 @@ impl CameraInfo {
             width: intrinsics.width,
             height: intrinsics.height,
             k: [f, 0.0, cx, 0.0, f, cy, 0.0, 0.0, 1.0],
+            d: [k1, k2, p1, p2, 0.0],
         }
     }
 }
@@ -52,9 +56,8 @@ impl Message for CameraInfo {
         self.header.encode(out);
         out.u32(self.height);
         out.u32(self.width);
-        // No distortion: all five coefficients of the usual model are zero.
         out.string("plumb_bob");
-        out.f64_sequence(&[0.0; 5]);
+        out.f64_sequence(&self.d);
         out.f64_array(&self.k);
         out.f64_array(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
         let [a, b, c, d, e, f, g, h, i] = self.k;
@@ -70,7 +73,10 @@ impl Message for CameraInfo {
         let header = Header::decode(input)?;
         let (height, width) = (input.u32()?, input.u32()?);
         input.string()?;
-        input.sequence(8, CdrReader::f64)?;
+        let mut d = [0.0; 5];
+        // A message may have fewer coefficients, or more of another model.
+        let written = input.sequence(8, CdrReader::f64)?;
+        d.iter_mut().zip(written).for_each(|(d, value)| *d = value);
         let k = input.f64_array()?;
         input.f64_array::<9>()?;
         input.f64_array::<12>()?;
@@ -81,6 +87,7 @@ impl Message for CameraInfo {
             width,
             height,
             k,
+            d,
         })
     }
 }
@@ -95,9 +102,14 @@ mod tests {
             width: 640,
             height: 480,
             horizontal_fov: 1.4,
+            distortion: Distortion {
+                k1: -0.1,
+                ..Distortion::default()
+            },
         };
         let info = CameraInfo::new(SimTime(3), "camera_optical", intrinsics);
         assert_eq!(CameraInfo::from_cdr(&info.to_cdr()).unwrap(), info);
         assert_eq!([info.k[2], info.k[5], info.k[8]], [320.0, 240.0, 1.0]);
+        assert_eq!(info.d, [-0.1, 0.0, 0.0, 0.0, 0.0]);
     }
 }

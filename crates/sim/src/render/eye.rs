@@ -56,7 +56,15 @@ impl Eye {
                 *direction = self.corner[axis] + u * self.right[axis] + v * self.down[axis];
             }
         }
-        let [ox, oy, oz] = self.origin;
+        BlockRays::new(self.origin, directions, limit)
+    }
+}
+
+impl BlockRays {
+    /// Rays from a point. They end at `limit` lengths of their directions.
+    #[inline(always)]
+    pub(super) fn new(origin: [f32; 3], directions: [Block; 3], limit: f32) -> Self {
+        let [ox, oy, oz] = origin;
         let mut packets = [const { RayPacket::idle() }; PACKETS];
         for (i, rays) in packets.iter_mut().enumerate() {
             rays.origin = [[ox; LANES], [oy; LANES], [oz; LANES]];
@@ -73,10 +81,10 @@ impl Eye {
         for (corner, i) in corners.iter_mut().zip(CORNERS) {
             *corner = [directions[0][i], directions[1][i], directions[2][i]];
         }
-        BlockRays {
+        Self {
             directions,
             packets,
-            beam: Beam::new(self.origin, &corners),
+            beam: Beam::new(origin, &corners),
         }
     }
 }

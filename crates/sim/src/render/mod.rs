@@ -6,29 +6,47 @@
 //! | `eye` | the rays through its pixels |
 //! | `block` | pixels that are cast and coloured together |
 //! | `shade` | the colour of what a ray hits |
+//! | `shadows` | whether the sun shines on it |
+//! | `illumination` | the light of any hour and weather: sun, sky, lamps |
+//! | `radiance` | the light that surfaces send to the camera under it |
+//! | `lens` | where the pixels of a lens with distortion look |
+//! | `photo` | the light of a picture, row by row as a shutter rolls |
+//! | `planes` | that light |
+//! | `drops` | drops on the lens |
+//! | `develop` | from that light to bytes: motion blur, noise, the tone curve |
 //! | `texture` | textures at full, half, quarter … size |
 
 mod block;
+mod develop;
+mod drops;
 mod eye;
+mod illumination;
+mod lens;
+mod photo;
+mod planes;
+mod radiance;
 mod shade;
+mod shadows;
 mod texture;
 mod view;
 
-use openbench_scene::bvh::{Kernel, LANES, Lane, MISS, PacketHits, widest};
-use openbench_scene::{Movers, RayCaster, RayPacket, SemanticClass, Snapshot};
+use openbench_scene::bvh::{Kernel, LANES, MISS, PacketHits, widest};
+use openbench_scene::{Movers, RayCaster, SemanticClass, Snapshot};
 
 use crate::rounding::whole;
-use block::{BLOCK, Block, Corner, PACKETS, SIDE, pixel};
+use block::{BLOCK, Block, Corner, SIDE, pixel};
 use eye::Eye;
+use photo::Taking;
 use shade::{Look, Shader};
+use shadows::{Cast, sunlit};
 
+pub(crate) use develop::{Development, Movement, develop};
+pub(crate) use drops::smear;
+pub(crate) use illumination::{Illumination, Lamp};
+pub(crate) use lens::Lens;
+pub(crate) use photo::{Moment, Shot};
+pub(crate) use planes::LightPlanes;
 pub use view::{ImageSize, View};
-
-/// Distance from a surface at which a ray towards the sun begins, metres. It keeps the surface
-/// from shadowing itself.
-const OFF_SURFACE_M: f32 = 0.01;
-/// Largest distance of an object that casts a shadow, metres.
-const SHADOW_RANGE_M: f32 = 150.0;
 
 /// What each pixel of a view shows, for training and scoring. Pixels are in rows from the top.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,6 +128,22 @@ impl Renderer {
         rgb
     }
 
+    /// The light that reaches each pixel of a camera.
+    pub(crate) fn photograph(&self, shot: &Shot<'_>, movers: &Movers) -> LightPlanes {
+        let mut planes = LightPlanes::new(shot.lens.size);
+        let seen = Snapshot {
+            caster: &self.caster,
+            movers,
+        };
+        widest(Taking {
+            seen,
+            shader: &self.shader,
+            shot: *shot,
+            planes: &mut planes,
+        });
+        planes
+    }
+
     /// Depth, class and object of each of the view's pixels.
     pub fn labels(&self, view: &View, movers: &Movers) -> Labels {
         let seen = Snapshot {
@@ -153,9 +187,6 @@ impl Renderer {
     }
 }
 
-/// An image shows one instant: no ray sees a mover at an earlier place.
-const NO_LAG: Lane = [0.0; LANES];
-
 /// An image that is being drawn.
 struct Picture<'a> {
     seen: Snapshot<'a>,
@@ -186,7 +217,14 @@ impl Kernel for Picture<'_> {
             let block = eye.block(corner, view.range);
             let hits = seen.cast_block(&block.beam, &block.packets);
             let sunlit = if view.shadows {
-                sunlit(seen, &block.packets, &hits)
+                let towards = seen.caster.scene().sun.direction.map(|c| -c);
+                let cast = Cast {
+                    seen,
+                    rays: &block.packets,
+                    hits: &hits,
+                    lag: 0.0,
+                };
+                sunlit(cast, towards)
             } else {
                 [1.0; BLOCK]
             };
@@ -194,36 +232,6 @@ impl Kernel for Picture<'_> {
             put(rgb, corner, view.size, &colors, gain);
         }
     }
-}
-
-/// For each pixel 1 if the sun shines on what was hit, 0 if an object stands between.
-fn sunlit(seen: Snapshot<'_>, rays: &[RayPacket; PACKETS], hits: &[PacketHits; PACKETS]) -> Block {
-    let towards = seen.caster.scene().sun.direction.map(|c| -c);
-    let mut sunlit = [0.0; BLOCK];
-    for ((rays, hits), sunlit) in rays.iter().zip(hits).zip(sunlit.chunks_exact_mut(LANES)) {
-        let mut back = RayPacket::idle();
-        for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
-            let normal = seen.normal(hits, lane);
-            let direction = [0, 1, 2].map(|axis| rays.direction[axis][lane]);
-            let facing: f32 = (0..3).map(|axis| normal[axis] * direction[axis]).sum();
-            // To the side from which the surface is seen: triangles have two sides.
-            let off = if facing > 0.0 {
-                -OFF_SURFACE_M
-            } else {
-                OFF_SURFACE_M
-            };
-            let at = [0, 1, 2].map(|axis| {
-                rays.origin[axis][lane] + hits.distance[lane] * direction[axis] + off * normal[axis]
-            });
-            back.set(lane, at, towards, SHADOW_RANGE_M);
-        }
-        // Lanes without a hit are idle and come back as sunlit; those pixels show the sky.
-        let between = seen.cast_packet(&back, &NO_LAG);
-        for (sunlit, triangle) in sunlit.iter_mut().zip(&between.triangle) {
-            *sunlit = if *triangle == MISS { 1.0 } else { 0.0 };
-        }
-    }
-    sunlit
 }
 
 /// Writes a block's colours, 0 to 255, times `gain` into the image. Pixels beyond its edges are
@@ -369,6 +377,52 @@ mod tests {
             (labels.object[60 * 202 + 80], labels.object[160 * 202 + 201]),
             (1, 0)
         );
+    }
+
+    #[test]
+    fn a_photograph_in_the_scenes_own_light_shows_what_is_drawn() {
+        let renderer = renderer();
+        let optics = openbench_core::RobotDescription::sentry().camera_intrinsics;
+        let view = View {
+            pose: Pose3::translation(0.1, -0.2, 0.3),
+            size: ImageSize::new(optics.width, optics.height),
+            focal_length: optics.focal_length(),
+            range: 200.0,
+            shadows: false,
+            exposure: 1.3,
+        };
+        let lens = Lens::new(&optics, 1.0, openbench_core::Distortion::default());
+        let moment = Moment {
+            pose: view.pose,
+            lag: 0.0,
+        };
+        let shot = Shot {
+            lens: &lens,
+            moments: &[moment],
+            light: &Illumination::of(&renderer.caster.scene().sun),
+            lamps: &[],
+            range: view.range,
+        };
+        let planes = renderer.photograph(&shot, &Movers::default());
+        let development = Development {
+            lens: &lens,
+            movement: Movement::default(),
+            factor: view.exposure,
+            shot: 0.0,
+            read: 0.0,
+            vignetting: 0.0,
+            key: [0, 0],
+        };
+        let (photo, drawn) = (
+            develop(&planes, development),
+            renderer.render(&view, &Movers::default()),
+        );
+        let differing = photo
+            .iter()
+            .zip(&drawn)
+            .filter(|(a, b)| a.abs_diff(**b) > 1);
+        // The square's edge may cross a pixel's middle.
+        assert!(differing.count() < 100);
     }
 
     #[test]

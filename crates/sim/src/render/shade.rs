@@ -6,14 +6,14 @@
 //! [`BLOCK`].
 
 use openbench_scene::bvh::{LANES, MISS, PacketHits};
-use openbench_scene::{RayCaster, Snapshot, Sun};
+use openbench_scene::{Finish, RayCaster, SemanticClass, Snapshot, Sun, Triangle};
 
 use super::block::{BLOCK, Block, PACKETS};
 use super::texture::{Mipmaps, blend, corners};
 
 /// Colours of the sky at the horizon and at the zenith, sRGB, 0 to 255.
-const HORIZON: [f32; 3] = [204.0, 222.0, 237.0];
-const ZENITH: [f32; 3] = [107.0, 153.0, 219.0];
+pub(super) const HORIZON: [f32; 3] = [204.0, 222.0, 237.0];
+pub(super) const ZENITH: [f32; 3] = [107.0, 153.0, 219.0];
 
 /// The properties of a triangle that its colour depends on.
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +36,17 @@ pub(super) struct Shader {
     facets: Vec<Facet>,
     inks: Vec<Ink>,
     textures: Vec<Mipmaps>,
+    glows: Vec<Glow>,
     sun: Sun,
+}
+
+/// How a triangle shines where lamps are lit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Glow {
+    None,
+    Lamp,
+    /// With a number from 0 to 1 that both triangles of a window share.
+    Window(f32),
 }
 
 /// The properties of a view that colours depend on.
@@ -49,18 +59,18 @@ pub(super) struct Look {
 }
 
 /// The surfaces that the rays of a block hit.
-struct Surfaces {
-    normal: [Block; 3],
+pub(super) struct Surfaces {
+    pub(super) normal: [Block; 3],
     /// Texels of the texture per metre.
-    density: Block,
+    pub(super) density: Block,
     /// Colour of the material, 0 to 255.
-    color: [Block; 3],
+    pub(super) color: [Block; 3],
     texture: [Option<u32>; BLOCK],
     /// Coordinates in the texture.
     uv: [Block; 2],
     /// Distance in lengths of the direction.
-    distance: Block,
-    hit: [bool; BLOCK],
+    pub(super) distance: Block,
+    pub(super) hit: [bool; BLOCK],
 }
 
 /// The changes to a surface's own colour.
@@ -88,6 +98,7 @@ impl Shader {
             facets: (0..scene.triangles.len()).map(facet).collect(),
             inks: scene.materials.iter().map(ink).collect(),
             textures: scene.textures.iter().map(Mipmaps::new).collect(),
+            glows: glows(caster),
             sun: scene.sun,
         }
     }
@@ -132,7 +143,11 @@ impl Shader {
 
     /// The surfaces of a block; `None` if no ray hit any.
     #[inline(always)]
-    fn surfaces(&self, seen: Snapshot<'_>, hits: &[PacketHits; PACKETS]) -> Option<Surfaces> {
+    pub(super) fn surfaces(
+        &self,
+        seen: Snapshot<'_>,
+        hits: &[PacketHits; PACKETS],
+    ) -> Option<Surfaces> {
         let mut surfaces = Surfaces {
             normal: [[0.0; BLOCK]; 3],
             density: [0.0; BLOCK],
@@ -165,6 +180,12 @@ impl Shader {
             surfaces.hit[i] = true;
         }
         any.then_some(surfaces)
+    }
+
+    /// How a triangle shines where lamps are lit.
+    #[inline(always)]
+    pub(super) fn glow_of(&self, triangle: u32) -> Glow {
+        self.glows[triangle as usize]
     }
 
     #[inline(always)]
@@ -209,7 +230,7 @@ impl Shader {
 
     /// Colours of the textures, 0 to 255; white without a texture.
     #[inline(always)]
-    fn texels(&self, surfaces: &Surfaces, texels: &Block) -> [Block; 3] {
+    pub(super) fn texels(&self, surfaces: &Surfaces, texels: &Block) -> [Block; 3] {
         let levels = super::texture::levels(texels);
         let mut images = [None; BLOCK];
         let mut size = [[1; BLOCK]; 2];
@@ -237,6 +258,43 @@ impl Shader {
         }
         blend(&packed, &corners)
     }
+}
+
+/// How each triangle shines where lamps are lit.
+fn glows(caster: &RayCaster) -> Vec<Glow> {
+    let scene = caster.scene();
+    let mut glows: Vec<Glow> = Vec::with_capacity(scene.triangles.len());
+    for (number, triangle) in scene.triangles.iter().enumerate() {
+        let material = &scene.materials[triangle.material.0 as usize];
+        let glow = match material.finish {
+            Finish::Lamp => Glow::Lamp,
+            // Rooms are behind the panes of houses, not of cars.
+            Finish::Glass if material.class == SemanticClass::Building => {
+                let before = number.checked_sub(1).map(|before| &scene.triangles[before]);
+                match (before, glows.last()) {
+                    (Some(before), Some(glow @ Glow::Window(_))) if adjoin(before, triangle) => {
+                        *glow
+                    }
+                    _ => Glow::Window(drawn(number as u32)),
+                }
+            }
+            Finish::Glass | Finish::Matt => Glow::None,
+        };
+        glows.push(glow);
+    }
+    glows
+}
+
+/// Whether two triangles have an edge in common.
+fn adjoin(a: &Triangle, b: &Triangle) -> bool {
+    let shared = a.corners.iter().filter(|corner| b.corners.contains(corner));
+    shared.count() >= 2
+}
+
+/// A number from 0 to 1 for a triangle.
+fn drawn(number: u32) -> f32 {
+    // The golden section of 2^32 spreads neighbouring numbers evenly.
+    (number.wrapping_mul(0x9e37_79b9) >> 8) as f32 / 16_777_216.0
 }
 
 #[inline(always)]

@@ -2,7 +2,7 @@
 
 use std::num::NonZeroU32;
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 use openbench_core::{MapPoint, Pose2, Pose3, RobotDescription, SimTime, Velocity};
@@ -11,12 +11,13 @@ use openbench_scene::{Movers, RayCaster, Snapshot, World, ground_height};
 use openbench_sim::lidar::{Lidar, RAYS_PER_SCAN};
 use openbench_sim::noise::Noise;
 use openbench_sim::traffic::{MoverKind, TrafficPlan};
-use openbench_sim::{ImageSize, Simulator, Stage, View};
+use openbench_sim::{ImageSize, Simulator, Stage, Surroundings, View};
 use serde::Serialize;
 use serde_json::json;
 
 use super::{dump, fastest, peak_memory_mb};
-use openbench_bench::worlds::load;
+use openbench_bench::suite::Conditions;
+use openbench_bench::worlds::{load, surroundings};
 use openbench_bench::{BenchError, WorldSource};
 
 /// Maximum number of viewpoints for scans and images.
@@ -25,6 +26,11 @@ const MAX_VIEWPOINTS: usize = 20;
 const VIEW_DISTANCE_M: f64 = 3.0;
 /// Duration of a simulated drive.
 const DRIVE_S: f64 = 20.0;
+/// How a robot moves whose images are blurred: nearly as fast as it can turn.
+const TURNING: Velocity = Velocity {
+    linear: 0.2,
+    angular: 0.8,
+};
 /// Repetitions of a measurement, of which the fastest counts.
 const REPETITIONS: usize = 5;
 /// Repetitions of a drive, of which the fastest counts.
@@ -49,6 +55,11 @@ pub struct SimSpeed {
     pub cast_mrays_per_core_second: f64,
     /// Camera images of 640 x 480 pixels per core and second.
     pub camera_fps_per_core: f64,
+    /// The same of a turning robot with noise, motion blur, a rolling shutter, a bent lens with
+    /// drops, and the shadows of a drawn sun.
+    pub camera_day_fps_per_core: f64,
+    /// The same at night, lit by lamps and without shadows.
+    pub camera_night_fps_per_core: f64,
     /// Real-time factor on one core with physics, IMU, wheels and LiDAR.
     pub rtf_lidar: f64,
     /// The same with ten images per simulated second.
@@ -75,6 +86,8 @@ pub fn measure(
     let (name, start, doors) = (world.name.clone(), world.start, places(&world));
     let map = (!plan.is_empty()).then(|| OsmMap::new(&world.map, world.georeference));
     let triangles = world.scene.triangles.len();
+    let [day, night] = ["day", "night"].map(|light| hard(&world, light));
+    let (day, night) = (day?, night?);
     let stage = Stage::with_figures(world.scene, plan).map_err(BenchError::world)?;
     let scenery = Scenery {
         stage,
@@ -98,6 +111,8 @@ pub fn measure(
         lidar_mrays_per_core_second: lidar(seen, &doors),
         cast_mrays_per_core_second: cast(seen.caster, &doors),
         camera_fps_per_core: camera(&scenery.stage, seen.movers, &doors),
+        camera_day_fps_per_core: scenery.real_camera(&day, &doors)?,
+        camera_night_fps_per_core: scenery.real_camera(&night, &doors)?,
         rtf_lidar: scenery.drive(false)?,
         rtf_camera: scenery.drive(true)?,
         load_seconds,
@@ -126,18 +141,42 @@ struct Scenery {
 
 impl Scenery {
     fn simulator(&self) -> Result<Simulator, BenchError> {
-        let still = Simulator::new(
-            self.stage.clone(),
-            RobotDescription::sentry(),
-            self.start,
-            0,
-        );
+        self.simulator_at(self.start, &Surroundings::default())
+    }
+
+    fn simulator_at(
+        &self,
+        start: Pose2,
+        surroundings: &Surroundings,
+    ) -> Result<Simulator, BenchError> {
+        let (stage, robot) = (self.stage.clone(), RobotDescription::sentry());
+        let still = Simulator::new(stage, robot, start, 0).in_surroundings(surroundings);
         let Some(map) = &self.map else {
             return Ok(still);
         };
         still
             .with_traffic_on(map, self.plan, 0)
             .map_err(BenchError::world)
+    }
+
+    /// Images per core and second of a robot that turns before doors. Rendering alone counts.
+    fn real_camera(&self, met: &Surroundings, places: &[Pose2]) -> Result<f64, BenchError> {
+        let (mut fastest, mut count) = (Duration::ZERO, 0);
+        for place in places {
+            let mut simulator = self.simulator_at(*place, met)?;
+            let mut best = Duration::MAX;
+            for _ in 0..REPETITIONS {
+                // Two steps, since the camera takes ten images a second.
+                simulator.step(TURNING);
+                simulator.step(TURNING);
+                let began = ThreadTime::now();
+                std::hint::black_box(simulator.observation().camera.image());
+                best = best.min(began.elapsed());
+            }
+            fastest += best;
+            count += 1;
+        }
+        Ok(f64::from(count) / fastest.as_secs_f64())
     }
 
     /// The real-time factor of a drive in circles.
@@ -156,6 +195,15 @@ impl Scenery {
         }
         Ok(best)
     }
+}
+
+/// A cheap camera in this light.
+fn hard(world: &World, light: &str) -> Result<Surroundings, BenchError> {
+    let mut conditions = Conditions::default();
+    for (key, level) in [("camera", "cheap"), ("light", light)] {
+        conditions.set(key, level).map_err(BenchError::world)?;
+    }
+    Ok(surroundings(world, &conditions, 0))
 }
 
 /// Viewpoints in front of doors, facing them, spread over the world.

@@ -5,7 +5,7 @@
 
 #![allow(dead_code)]
 
-use openbench_core::{CameraIntrinsics, Image, SimTime};
+use openbench_core::{CameraIntrinsics, Distortion, Image, SimTime};
 use openbench_models::{ModelStore, catalogue};
 use openbench_vision::{PpOcr, PpOcrSettings};
 
@@ -144,6 +144,7 @@ pub fn camera() -> CameraIntrinsics {
         width: 640,
         height: 480,
         horizontal_fov: 1.3963,
+        distortion: Distortion::default(),
     }
 }
 

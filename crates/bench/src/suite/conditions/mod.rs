@@ -10,122 +10,136 @@
 //! | `map` | `[map]`: how wrong the public map is |
 //! | `start` | `[start]`: how well an agent knows where it starts |
 //! | `robot` | `[robot]`: how far the robot differs from its description |
+//! | `camera` | `[camera]`: what is wrong with the camera |
+//! | `light` | `[light]`: the hour of day, clouds, lamps |
 //! | `compute` | `[compute]`: whether computing takes simulated time |
 
+mod camera;
 mod compute;
 mod level;
+mod light;
 mod map;
 mod robot;
 mod start;
 
 use openbench_osm::disturb::MapErrors;
+use openbench_sim::CameraErrors;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+pub(crate) use camera::draw_lens;
 pub use compute::Compute;
 pub use level::{Condition, ConditionError};
+pub use light::LightLevel;
 pub use robot::RobotErrors;
 pub use start::StartErrors;
 
-/// The conditions of a suite; all off by default.
-///
-/// ```
-/// use openbench_bench::suite::Conditions;
-///
-/// let mut conditions = Conditions::default();
-/// assert!(conditions.are_off());
-/// conditions.set("map", "city")?;
-/// conditions.set("map.missing", "0.1")?;
-/// assert_eq!((conditions.map.shift_m, conditions.map.missing), (1.5, 0.1));
-/// assert!(conditions.set("map", "village").unwrap_err().to_string().contains("exact, good"));
-/// # Ok::<(), openbench_bench::suite::ConditionError>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Conditions {
-    /// How wrong the public map is.
-    #[serde(
-        serialize_with = "level::serialize",
-        deserialize_with = "level::deserialize",
-        skip_serializing_if = "Condition::is_off"
-    )]
-    pub map: MapErrors,
-    /// How well agents know where they start.
-    #[serde(
-        serialize_with = "level::serialize",
-        deserialize_with = "level::deserialize",
-        skip_serializing_if = "Condition::is_off"
-    )]
-    pub start: StartErrors,
-    /// How far the robot differs from its description.
-    #[serde(
-        serialize_with = "level::serialize",
-        deserialize_with = "level::deserialize",
-        skip_serializing_if = "Condition::is_off"
-    )]
-    pub robot: RobotErrors,
-    /// Whether computing takes simulated time.
-    #[serde(
-        serialize_with = "level::serialize",
-        deserialize_with = "level::deserialize",
-        skip_serializing_if = "Condition::is_off"
-    )]
-    pub compute: Compute,
-}
-
-impl Conditions {
-    /// Whether nothing is harder than in the paper.
-    pub fn are_off(&self) -> bool {
-        let Self {
-            map,
-            start,
-            robot,
-            compute,
-        } = self;
-        map.is_off() && start.is_off() && robot.is_off() && compute.is_off()
-    }
-
-    /// Those that are not off, as the command line takes them: `map=city`, or `map.shift_m=3` for
-    /// each number of one that is no level.
-    pub fn words(&self) -> Vec<String> {
-        [
-            level::words(&self.map),
-            level::words(&self.start),
-            level::words(&self.robot),
-            level::words(&self.compute),
-        ]
-        .concat()
-    }
-
-    /// Sets a condition to a level (`map`, `city`), or one of its numbers (`map.shift_m`, `3`).
-    ///
-    /// # Errors
-    /// A condition, level or number that there is not, or a number out of its range.
-    pub fn set(&mut self, key: &str, value: &str) -> Result<(), ConditionError> {
-        let (name, number) = match key.split_once('.') {
-            Some((name, number)) => (name, Some(number)),
-            None => (key, None),
-        };
-        match name {
-            MapErrors::KEY => set(&mut self.map, number, value),
-            StartErrors::KEY => set(&mut self.start, number, value),
-            RobotErrors::KEY => set(&mut self.robot, number, value),
-            Compute::KEY => set(&mut self.compute, number, value),
-            _ => Err(ConditionError {
-                key: key.to_owned(),
-                problem: format!("there is no such condition; there are {}", NAMES.join(", ")),
-            }),
+/// The conditions, each with its field and type: all that depends on which there are.
+macro_rules! conditions {
+    ($(#[$about:meta])* pub struct Conditions {
+        $( $(#[$doc:meta])* $field:ident: $kind:ty, )*
+    }) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+        #[serde(default)]
+        pub struct Conditions {
+            $(
+                $(#[$doc])*
+                #[serde(
+                    serialize_with = "level::serialize",
+                    deserialize_with = "level::deserialize",
+                    skip_serializing_if = "Condition::is_off"
+                )]
+                pub $field: $kind,
+            )*
         }
+
+        impl Conditions {
+            /// The conditions by name.
+            pub const NAMES: &'static [&'static str] = &[$(<$kind>::KEY),*];
+
+            /// Whether nothing is harder than in the paper.
+            pub fn are_off(&self) -> bool {
+                true $(&& self.$field.is_off())*
+            }
+
+            /// Those that are not off, as the command line takes them: `map=city`, or
+            /// `map.shift_m=3` for each number of one that is no level.
+            pub fn words(&self) -> Vec<String> {
+                [$(level::words(&self.$field)),*].concat()
+            }
+
+            /// The names of a condition's levels; the first one is off.
+            ///
+            /// # Errors
+            /// A condition that there is not.
+            pub fn levels(key: &str) -> Result<Vec<&'static str>, ConditionError> {
+                match key {
+                    $(<$kind>::KEY => Ok(names::<$kind>()),)*
+                    _ => Err(unknown(key)),
+                }
+            }
+
+            /// Sets a condition to a level (`map`, `city`), or one of its numbers (`map.shift_m`,
+            /// `3`).
+            ///
+            /// # Errors
+            /// A condition, level or number that there is not, or a number out of its range.
+            pub fn set(&mut self, key: &str, value: &str) -> Result<(), ConditionError> {
+                let (name, number) = match key.split_once('.') {
+                    Some((name, number)) => (name, Some(number)),
+                    None => (key, None),
+                };
+                match name {
+                    $(<$kind>::KEY => set(&mut self.$field, number, value),)*
+                    _ => Err(unknown(key)),
+                }
+            }
+        }
+    };
+}
+
+conditions! {
+    /// The conditions of a suite; all off by default.
+    ///
+    /// ```
+    /// use openbench_bench::suite::Conditions;
+    ///
+    /// let mut conditions = Conditions::default();
+    /// assert!(conditions.are_off());
+    /// conditions.set("map", "city")?;
+    /// conditions.set("map.missing", "0.1")?;
+    /// assert_eq!((conditions.map.shift_m, conditions.map.missing), (1.5, 0.1));
+    /// assert!(conditions.set("map", "village").unwrap_err().to_string().contains("exact, good"));
+    /// # Ok::<(), openbench_bench::suite::ConditionError>(())
+    /// ```
+    pub struct Conditions {
+        /// How wrong the public map is.
+        map: MapErrors,
+        /// How well agents know where they start.
+        start: StartErrors,
+        /// How far the robot differs from its description.
+        robot: RobotErrors,
+        /// What is wrong with the camera.
+        camera: CameraErrors,
+        /// The hour of day, clouds, lamps.
+        light: LightLevel,
+        /// Whether computing takes simulated time.
+        compute: Compute,
     }
 }
 
-/// The conditions by name.
-const NAMES: [&str; 4] = [
-    MapErrors::KEY,
-    StartErrors::KEY,
-    RobotErrors::KEY,
-    Compute::KEY,
-];
+fn unknown(key: &str) -> ConditionError {
+    let known = Conditions::NAMES.join(", ");
+    ConditionError {
+        key: key.to_owned(),
+        problem: format!("there is no such condition; there are {known}"),
+    }
+}
+
+fn names<C: Condition>() -> Vec<&'static str> {
+    C::LEVELS.iter().map(|(name, _)| *name).collect()
+}
 
 fn set<C: Condition>(
     condition: &mut C,
@@ -169,6 +183,8 @@ mod tests {
             "",
             "map = \"poor\"",
             "[map]\nshift_m = 3.5\n[start]\narea_m = 20.0",
+            "camera = \"cheap\"\nlight = \"night\"",
+            "[camera]\nlevel = \"good\"\ndrops = 7\n[light]\ndrawn = true",
         ] {
             let conditions = read(text).unwrap();
             let toml = toml::to_string(&conditions).unwrap();
@@ -209,6 +225,24 @@ mod tests {
             ),
             ("[robot]\nencoder_marks = -1", "invalid value"),
             ("[start]\nlevel = 5", "level: write its name in quotes"),
+            (
+                "camera = \"old\"",
+                "no level `old`; write one of perfect, good, cheap",
+            ),
+            (
+                "[camera]\nvignetting = 1.5",
+                "vignetting = 1.5: give a number from 0 to 1",
+            ),
+            (
+                "[camera]\nreadout_ms = -1",
+                "readout_ms = -1: give a number from 0 to 50",
+            ),
+            ("[camera]\ndrops = -1", "invalid value"),
+            ("light = \"dawn\"", "write one of noon, day, overcast, dusk"),
+            (
+                "[light]\nclouds = 2",
+                "clouds = 2: give a number from 0 to 1",
+            ),
         ] {
             let error = read(text).unwrap_err();
             assert!(error.contains(expected), "{text}: {error}");
@@ -218,7 +252,7 @@ mod tests {
             (
                 "maps",
                 "city",
-                "there is no such condition; there are map, start, robot, compute",
+                "there is no such condition; there are map, start, robot, ",
             ),
             ("map.shift_m", "far", "map: "),
             ("map.shift_m", "-1", "shift_m = -1: give a number"),
@@ -228,6 +262,20 @@ mod tests {
             assert!(error.contains(expected), "{error}");
         }
         assert!(conditions.are_off());
+    }
+
+    #[test]
+    fn every_level_of_every_condition_can_be_set() {
+        for key in Conditions::NAMES {
+            for (i, level) in Conditions::levels(key).unwrap().into_iter().enumerate() {
+                let mut conditions = Conditions::default();
+                conditions.set(key, level).unwrap();
+                assert_eq!(conditions.are_off(), i == 0, "{key}={level}");
+                let words = conditions.words();
+                assert_eq!(words.len(), usize::from(i > 0), "{words:?}");
+            }
+        }
+        assert!(Conditions::levels("maps").is_err());
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::images;
 use super::openings::{self, Glazing};
 use crate::generate::seeds::{Purpose, mix};
 use crate::generate::shapes::Surface;
-use crate::material::{Material, MaterialId, SemanticClass, Texture, TextureId};
+use crate::material::{Finish, Material, MaterialId, SemanticClass, Texture, TextureId};
 use crate::scene::SceneBuilder;
 
 /// The materials of a world.
@@ -124,6 +124,33 @@ impl Mixer<'_> {
         Surface {
             material: self.builder.material(material),
             tile: image.tile,
+        }
+    }
+
+    /// Panes, with or without an image of what is around and behind them.
+    fn glass(
+        &mut self,
+        class: SemanticClass,
+        color: [f32; 3],
+        reflectivity: u8,
+        image: Option<Image>,
+    ) -> Surface {
+        let mut material = Material::plain(class, color);
+        material.reflectivity = reflectivity;
+        material.texture = image.map(|image| image.texture);
+        material.finish = Finish::Glass;
+        Surface {
+            material: self.builder.material(material),
+            tile: image.map_or(1.0, |image| image.tile),
+        }
+    }
+
+    fn lamp(&mut self, color: [f32; 3]) -> Surface {
+        let mut material = Material::plain(SemanticClass::Furniture, color);
+        material.finish = Finish::Lamp;
+        Surface {
+            material: self.builder.material(material),
+            tile: 1.0,
         }
     }
 
@@ -302,7 +329,7 @@ impl Palette {
             shuttered: shuttered(m, s),
             shop_windows: [0, 1].map(|look| {
                 let image = m.image(openings::shop_window(look, s));
-                m.surface(C::Building, [1.0; 3], 25, Some(tiled(image, 1.0)))
+                m.glass(C::Building, [1.0; 3], 25, Some(tiled(image, 1.0)))
                     .material
             }),
             signs: [
@@ -375,13 +402,13 @@ impl Palette {
                 .to_vec(),
             metal: m.plain(C::Furniture, [0.58, 0.60, 0.62]),
             dark_metal: m.plain(C::Furniture, [0.18, 0.20, 0.20]),
-            lamp_glass: m.plain(C::Furniture, [0.96, 0.95, 0.86]),
+            lamp_glass: m.lamp([0.96, 0.95, 0.86]),
             wood: m.surface(C::Furniture, [1.30, 1.05, 0.80], 60, Some(tiled(bark, 0.8))),
             red: m.plain(C::Furniture, [0.74, 0.12, 0.10]),
             yellow: m.plain(C::Furniture, [0.90, 0.72, 0.15]),
             green: m.plain(C::Furniture, [0.20, 0.36, 0.26]),
             car_paints: PAINTS.map(|c| m.plain(C::Vehicle, c)).to_vec(),
-            car_glass: m.surface(C::Vehicle, [0.10, 0.13, 0.16], 8, None),
+            car_glass: m.glass(C::Vehicle, [0.10, 0.13, 0.16], 8, None),
             tyre: m.surface(C::Vehicle, [0.07, 0.07, 0.07], 8, None),
             rim: m.plain(C::Vehicle, [0.58, 0.60, 0.62]),
             car_lights: [[0.94, 0.94, 0.90], [0.60, 0.06, 0.06]]
@@ -427,7 +454,7 @@ fn windows(m: &mut Mixer<'_>, seed: u64) -> Vec<[MaterialId; 2]> {
             [false, true].map(|curtains| {
                 let image = m.image(openings::window(frame, glazing, curtains, seed));
                 // Glass reflects little of the LiDAR light; frame and curtains reflect some.
-                m.surface(
+                m.glass(
                     SemanticClass::Building,
                     [1.0; 3],
                     25,
@@ -457,7 +484,7 @@ fn shuttered(m: &mut Mixer<'_>, seed: u64) -> Vec<[MaterialId; 2]> {
                     color,
                     openings::SHUTTERED_WIDTHS,
                 ));
-                m.surface(
+                m.glass(
                     SemanticClass::Building,
                     [1.0; 3],
                     35,

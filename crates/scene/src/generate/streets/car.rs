@@ -11,7 +11,7 @@ use rand_pcg::Pcg64Mcg;
 use crate::generate::materials::palette::{PAINTS, Palette};
 use crate::generate::seeds::pick;
 use crate::generate::shapes::{Block, Surface, at, cuboid, facet};
-use crate::material::{Material, SemanticClass};
+use crate::material::{Finish, Material, SemanticClass};
 use crate::scene::{Corner, Layer, Scene, SceneBuilder};
 use crate::triangulate::triangulate;
 
@@ -167,11 +167,12 @@ pub(super) fn draw(palette: &Palette, rng: &mut Pcg64Mcg) -> Car {
 pub fn car_figure(look: u32) -> Scene {
     let look = look as usize;
     let mut scene = SceneBuilder::new();
-    let mut surface = |color: [f32; 3], reflectivity: Option<u8>| {
+    let mut surface = |color: [f32; 3], reflectivity: Option<u8>, finish: Finish| {
         let plain = Material::plain(SemanticClass::Vehicle, color);
         let reflectivity = reflectivity.unwrap_or(plain.reflectivity);
         let material = scene.material(Material {
             reflectivity,
+            finish,
             ..plain
         });
         Surface {
@@ -182,13 +183,13 @@ pub fn car_figure(look: u32) -> Scene {
     let car = Car {
         shape: SHAPES[look % SHAPES.len()],
         // 3 and the number of paints have no common divisor, so all of them come in turn.
-        paint: surface(PAINTS[(look * 3 + 1) % PAINTS.len()], None),
-        glass: surface([0.10, 0.13, 0.16], Some(8)),
-        tyre: surface([0.07; 3], Some(8)),
-        rim: surface([0.58, 0.60, 0.62], None),
+        paint: surface(PAINTS[(look * 3 + 1) % PAINTS.len()], None, Finish::Matt),
+        glass: surface([0.10, 0.13, 0.16], Some(8), Finish::Glass),
+        tyre: surface([0.07; 3], Some(8), Finish::Matt),
+        rim: surface([0.58, 0.60, 0.62], None, Finish::Matt),
         lights: [
-            surface([0.94, 0.94, 0.90], Some(200)),
-            surface([0.60, 0.06, 0.06], Some(200)),
+            surface([0.94, 0.94, 0.90], Some(200), Finish::Matt),
+            surface([0.60, 0.06, 0.06], Some(200), Finish::Matt),
         ],
     };
     car.build(&mut scene, Pose2::default());
