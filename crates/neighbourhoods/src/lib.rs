@@ -87,6 +87,11 @@ impl Neighbourhood {
     pub fn name(&self) -> String {
         format!("{}-{}", self.kind, self.seed)
     }
+
+    /// What is said of the source of the map.
+    pub fn attribution(&self) -> String {
+        format!("Drawn map `{}`: a made-up place, CC0", self.name())
+    }
 }
 
 /// Draws a neighbourhood. The same kind and seed give the same bytes on every machine.

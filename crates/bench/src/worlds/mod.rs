@@ -9,7 +9,8 @@
 //! | `recipe` | [`Recipe`]: sources and parameters of a world |
 //! | `public_map` | [`OnMap`]: the map that agents get, and how it differs from the world |
 //! | [`hashes`] | [`Hashes`]: what a run was made in |
-//! | `named` | [`suite_named`]: the suite that a user names |
+//! | `neighbourhoods` | [`neighbourhood_suite`]: suites of drawn neighbourhoods |
+//! | `named` | [`suite_named`], [`suite_of_seed`]: the suite that a user names |
 //! | [`folder`] | worlds as folders: recipe, maps, suite |
 
 mod builtin;
@@ -17,6 +18,7 @@ pub mod folder;
 pub mod hashes;
 mod load;
 mod named;
+mod neighbourhoods;
 mod prepared;
 mod public_map;
 mod recipe;
@@ -25,7 +27,8 @@ mod targets;
 pub use builtin::builtin_suite;
 pub use hashes::Hashes;
 pub use load::load;
-pub use named::suite_named;
+pub use named::{is_drawn_by_seed, is_name, source_named, suite_named, suite_of_seed};
+pub use neighbourhoods::neighbourhood_suite;
 pub use prepared::{Prepared, PreparedEpisode};
 pub use public_map::{DrawnMap, OnMap};
 pub use recipe::Recipe;
