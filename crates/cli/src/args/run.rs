@@ -38,8 +38,8 @@ pub struct RunArgs {
     /// The agent to run
     #[arg(long, default_value = "open")]
     pub agent: String,
-    /// Seed of all random draws. With small, medium and large a seed other than 0 also draws another
-    /// neighbourhood of that kind
+    /// Seed of all random draws. With small, medium and large a seed other than 0 also draws
+    /// another neighbourhood of that kind
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Seed of noise, traffic and conditions alone [default: that of --seed]
