@@ -250,6 +250,7 @@ class DeliveryEnv(gym.Env[Observations, Array]):
     conditions: what makes the suite harder: levels, as in `{"map": "city"}`, or numbers, as in
         `{"map.shift_m": 3}`.
     world_seed: seed of what the conditions draw for all episodes alike, such as the map.
+        Another neighbourhood is another suite: `"medium-7"`.
     observations: any of `image`, `points`, `range_image`, `imu`, `wheels`, `pose` (with `health`)
         and `goal`.
     goal: `instruction`, or `point`: the place before the door, seen from the estimated pose.

@@ -57,7 +57,8 @@ def evaluate(
 
     agent: a class, or anything that makes an agent; each episode gets its own.
     suite: a built-in suite, a suite file, or the folder of a world.
-    seed: seed of all random draws.
+    seed: seed of all random draws; with small, medium and large one other than 0 also draws another
+        neighbourhood of that kind.
     seeds: several of them, one run each; returns the results of each seed by its number.
     jobs: how many episodes run in parallel; results do not depend on it.
     timeout: how long an action may take, seconds.

@@ -32,6 +32,7 @@ const LONGEST_S: f64 = 86_400.0;
 /// A suite that is ready to be run by policies of this process.
 #[pyclass(frozen)]
 pub struct Run {
+    suite: WrittenSuite,
     prepared: Prepared,
     agent: String,
     stop: Arc<AtomicBool>,
@@ -52,9 +53,10 @@ impl Run {
     /// Builds the world of a suite.
     #[new]
     fn new(py: Python<'_>, suite: WrittenSuite, agent: String) -> PyResult<Self> {
-        let prepared = py.detach(|| Prepared::new(suite.suite()?, None));
+        let prepared = py.detach(|| Prepared::new(suite.of_run()?, None));
         Ok(Self {
             prepared: prepared.map_err(|error| raised(&error))?,
+            suite,
             agent,
             stop: Arc::default(),
         })
@@ -129,7 +131,11 @@ impl Run {
             pool,
             patience: drive.patience,
         };
-        let own = self.prepared.of_seed(drive.seed)?;
+        let own = if self.suite.differs_from_seed(drive.seed) {
+            Some(Prepared::new(self.suite.of_seed(drive.seed)?, None)?)
+        } else {
+            self.prepared.of_seed(drive.seed)?
+        };
         let prepared = own.as_ref().unwrap_or(&self.prepared);
         let request = RunRequest {
             seed: drive.seed,

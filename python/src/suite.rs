@@ -1,6 +1,6 @@
 //! Suites by name, with what makes them harder.
 
-use openbench_bench::worlds::suite_named;
+use openbench_bench::worlds::{is_drawn_by_seed, suite_named, suite_of_seed};
 use openbench_bench::{BenchError, Suite};
 use pyo3::prelude::*;
 
@@ -10,17 +10,40 @@ use pyo3::prelude::*;
 pub struct WrittenSuite(String, Vec<(String, String)>, u64);
 
 impl WrittenSuite {
-    /// The suite.
+    /// The suite, in the world that its name says.
     ///
     /// # Errors
     /// A suite that there is not, or a condition that cannot be set.
     pub fn suite(&self) -> Result<Suite, BenchError> {
-        let Self(name, conditions, seed) = self;
-        let mut suite = suite_named(name)?;
-        for (key, value) in conditions {
+        self.harder(suite_named(&self.0)?, self.2)
+    }
+
+    /// The suite for a run with its seed, which may draw another neighbourhood.
+    ///
+    /// # Errors
+    /// As [`suite`](Self::suite).
+    pub fn of_run(&self) -> Result<Suite, BenchError> {
+        self.of_seed(self.2)
+    }
+
+    /// The suite for a run with another seed.
+    ///
+    /// # Errors
+    /// As [`suite`](Self::suite).
+    pub fn of_seed(&self, seed: u64) -> Result<Suite, BenchError> {
+        self.harder(suite_of_seed(&self.0, seed)?, seed)
+    }
+
+    fn harder(&self, mut suite: Suite, seed: u64) -> Result<Suite, BenchError> {
+        for (key, value) in &self.1 {
             let set = suite.conditions.set(key, value);
             set.map_err(BenchError::world)?;
         }
-        Ok(suite.with_seed(*seed))
+        Ok(suite.with_seed(seed))
+    }
+
+    /// Whether another seed has another neighbourhood.
+    pub fn differs_from_seed(&self, seed: u64) -> bool {
+        is_drawn_by_seed(&self.0) && self.2 != seed
     }
 }

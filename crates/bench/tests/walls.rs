@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Layers: a crate may depend only on crates of lower layers.
-const LAYERS: [(&str, u8); 19] = [
+const LAYERS: [(&str, u8); 20] = [
     ("openbench-core", 0),
     ("openbench-geometry", 1),
     ("openbench-models", 1),
     ("openbench-logs", 1),
     ("openbench-osm", 2),
     ("openbench-scene", 3),
+    ("openbench-neighbourhoods", 3),
     ("openbench-language", 3),
     ("openbench-routing", 3),
     ("openbench-motion", 3),

@@ -202,7 +202,7 @@ impl Suite {
     /// The suite with its relative paths resolved against `folder`.
     fn relative_to(mut self, folder: &Path) -> Self {
         let paths: Vec<&mut PathBuf> = match &mut self.world {
-            WorldSource::Builtin { .. } => Vec::new(),
+            WorldSource::Builtin { .. } | WorldSource::Drawn { .. } => Vec::new(),
             WorldSource::Imported {
                 world, map, models, ..
             } => [world, map].into_iter().chain(models).collect(),

@@ -15,6 +15,13 @@ pub enum WorldSource {
         /// Seed of its facades, trees and cars.
         seed: u64,
     },
+    /// A neighbourhood that is drawn by its seed.
+    Drawn {
+        /// The kind: `small`, `medium` or `large`.
+        kind: String,
+        /// Seed of the map, and of facades, trees and cars.
+        seed: u64,
+    },
     /// A Gazebo world with an OSM map.
     Imported {
         /// The SDF file.
@@ -37,7 +44,7 @@ impl WorldSource {
     /// The files, and the folders with all their files, that the world is made of.
     pub fn paths(&self) -> Vec<&Path> {
         match self {
-            Self::Builtin { .. } => Vec::new(),
+            Self::Builtin { .. } | Self::Drawn { .. } => Vec::new(),
             Self::Imported {
                 world, map, models, ..
             } => [world, map]

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use openbench_core::Georeference;
+use openbench_neighbourhoods::{Kind, draw};
 use openbench_scene::World;
 use openbench_scene::generate;
 use openbench_scene::{ImportRequest, import_world};
@@ -20,6 +21,7 @@ use crate::suite::builtin::builtin_suites;
 pub fn load(source: &WorldSource) -> Result<World, BenchError> {
     match source {
         WorldSource::Builtin { name, seed } => builtin(name, *seed),
+        WorldSource::Drawn { kind, seed } => drawn(kind, *seed),
         WorldSource::Imported {
             world,
             map,
@@ -44,6 +46,21 @@ fn builtin(name: &str, seed: u64) -> Result<World, BenchError> {
         return place.world(seed);
     }
     let world = generate::builtin(name, seed).ok_or_else(unknown)?;
+    world.map_err(BenchError::world)
+}
+
+fn drawn(kind: &str, seed: u64) -> Result<World, BenchError> {
+    let kind: Kind = kind.parse().map_err(BenchError::world)?;
+    let here = draw(kind, seed);
+    let options = generate::GenerateOptions {
+        name: here.name(),
+        start: Some(here.start),
+        // The map has all doors.
+        invent_doors: false,
+        attribution: vec![here.attribution()],
+        ..generate::GenerateOptions::default()
+    };
+    let world = generate::generate(&here.map, here.georeference, seed, &options);
     world.map_err(BenchError::world)
 }
 

@@ -10,7 +10,8 @@
 //! | `public_map` | [`OnMap`]: the map that agents get, and how it differs from the world |
 //! | [`hashes`] | [`Hashes`]: what a run was made in |
 //! | `places` | real places whose maps the crate carries |
-//! | `named` | [`suite_named`]: the suite that a user names |
+//! | `neighbourhoods` | [`neighbourhood_suite`]: suites of drawn neighbourhoods |
+//! | `named` | [`suite_named`], [`suite_of_seed`]: the suite that a user names |
 //! | `surroundings` | [`surroundings()`]: what a robot's sensors meet |
 //! | [`folder`] | worlds as folders: recipe, maps, suite |
 
@@ -19,6 +20,7 @@ pub mod folder;
 pub mod hashes;
 mod load;
 mod named;
+mod neighbourhoods;
 mod places;
 mod prepared;
 mod public_map;
@@ -29,7 +31,8 @@ mod targets;
 pub use builtin::builtin_suite;
 pub use hashes::Hashes;
 pub use load::load;
-pub use named::suite_named;
+pub use named::{is_drawn_by_seed, is_name, source_named, suite_named, suite_of_seed};
+pub use neighbourhoods::neighbourhood_suite;
 pub use prepared::{Prepared, PreparedEpisode};
 pub use public_map::{DrawnMap, OnMap};
 pub use recipe::Recipe;

@@ -25,21 +25,26 @@ Examples:
   openbench run --resume runs/medium
   openbench run small --seeds 0..9 --jobs 2 --out runs/ten
   openbench run small --set localizer=dead-reckoning
-  openbench run medium --condition map=city --condition start=5m --seed 7
+  openbench run medium --seed 7
+  openbench run medium --condition map=city --condition start=5m --noise-seed 7
   openbench run small --agent openpi:ws://127.0.0.1:8000 --set timeout=10
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\
       --deliveries delivery_instructions_small.txt --truth delivery_instructions_small_gt.txt")]
 pub struct RunArgs {
-    /// A built-in suite (small, medium, large), a suite file (.toml), or a world folder
-    /// [default: small]
+    /// A built-in suite (small, medium, large), that of a drawn neighbourhood (medium-7), a suite
+    /// file (.toml), or a world folder [default: small]
     #[arg(conflicts_with = "world")]
     pub suite: Option<String>,
     /// The agent to run
     #[arg(long, default_value = "open")]
     pub agent: String,
-    /// Seed of all random draws
+    /// Seed of all random draws. With small, medium and large a seed other than 0 also draws
+    /// another neighbourhood of that kind
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+    /// Seed of noise, traffic and conditions alone [default: that of --seed]
+    #[arg(long, value_name = "SEED", conflicts_with_all = ["seeds", "resume"])]
+    pub noise_seed: Option<u64>,
     /// Run with each of these seeds, the last one included, and report means over them; each gets
     /// a folder in the folder of the run. Seeds that are done already are not run again
     #[arg(

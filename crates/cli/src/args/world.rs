@@ -20,6 +20,8 @@ pub struct WorldArgs {
 pub enum WorldCommand {
     /// Generate a world with deliveries from any OSM map and a seed
     Generate(GenerateArgs),
+    /// Draw a neighbourhood by seed, with deliveries
+    Draw(NeighbourhoodArgs),
     /// Import a Gazebo world with its OSM map
     Import(ImportArgs),
     /// Render a world from above or from a pose in it
@@ -37,9 +39,12 @@ Examples:
 pub struct PublicMapArgs {
     /// A built-in suite (small, medium, large), a suite file (.toml), or a world folder
     pub suite: String,
-    /// Seed of what is drawn, as of a run
+    /// Seed of what is drawn, as of a run: with small, medium and large also of the neighbourhood
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+    /// Seed of the conditions alone [default: that of --seed]
+    #[arg(long, value_name = "SEED")]
+    pub noise_seed: Option<u64>,
     /// A level, such as map=city, or a number, such as map.shift_m=3; may be repeated
     #[arg(long = "condition", value_name = "KEY=VALUE", value_parser = key_value)]
     pub conditions: Vec<(String, String)>,
@@ -95,6 +100,33 @@ pub struct GenerateArgs {
     /// Use only mapped doors; otherwise every house gets one towards the street
     #[arg(long)]
     pub mapped_doors_only: bool,
+    /// The deliveries
+    #[command(flatten)]
+    pub drawn: DrawArgs,
+}
+
+/// Arguments of `world draw`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+The folder is as one of `world generate`. `run medium --seed 7` needs none: it draws the same map.
+
+Examples:
+  openbench world draw medium --seed 7 --out worlds/medium-7
+  openbench world show worlds/medium-7 --out medium-7.png")]
+pub struct NeighbourhoodArgs {
+    /// The size: small, medium or large
+    pub kind: openbench_neighbourhoods::Kind,
+    /// Seed of the map, of colours, cars and greenery, and of the deliveries
+    #[arg(
+        long,
+        default_value_t = 1,
+        // The seed is written to `world.toml`, whose integers have 63 bits.
+        value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64)
+    )]
+    pub seed: u64,
+    /// Folder for the world; an earlier world there is replaced
+    #[arg(long)]
+    pub out: PathBuf,
     /// The deliveries
     #[command(flatten)]
     pub drawn: DrawArgs,
@@ -161,7 +193,7 @@ Examples:
 
 The legend of an image of classes or instances has the same name, ending in .json.")]
 pub struct ShowArgs {
-    /// A built-in world (small, medium, large) or a world folder
+    /// A built-in world (small, medium, large), a drawn one (medium-7), or a world folder
     #[arg(conflicts_with = "world")]
     pub name: Option<String>,
     /// A Gazebo world (SDF)

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use cpu_time::ProcessTime;
+use openbench_bench::worlds::source_named;
 use openbench_bench::{TrafficPlan, WorldSource};
 use openbench_localization::graph::{GraphSize, PoseGraph};
 use openbench_routing::Profile;
@@ -133,11 +134,7 @@ fn sim(args: &BenchSimArgs) -> anyhow::Result<Outcome> {
             models: args.models.clone(),
             georeference: args.georef.clone(),
         },
-        _ => WorldSource::Builtin {
-            name: args.name.clone(),
-            // That of the built-in suites, so that their worlds are measured.
-            seed: 1,
-        },
+        _ => source_named(&args.name),
     };
     let plan = TrafficPlan {
         pedestrians: args.pedestrians.into(),

@@ -3,7 +3,7 @@
 use anyhow::Context;
 use openbench_bench::Prepared;
 use openbench_bench::report::public_map_svg;
-use openbench_bench::worlds::suite_named;
+use openbench_bench::worlds::suite_of_seed;
 use openbench_osm::write_atomically;
 
 use crate::args::PublicMapArgs;
@@ -12,9 +12,9 @@ use crate::outcome::{Outcome, say};
 
 /// Draws the public map over the world.
 pub fn public_map(args: &PublicMapArgs) -> anyhow::Result<Outcome> {
-    let mut suite = suite_named(&args.suite)?;
+    let mut suite = suite_of_seed(&args.suite, args.seed)?;
     set_conditions(&mut suite, &args.conditions)?;
-    let prepared = Prepared::new(suite.with_seed(args.seed), None)?;
+    let prepared = Prepared::new(suite.with_seed(args.noise_seed.unwrap_or(args.seed)), None)?;
     let svg = public_map_svg(&prepared).context("the map has no buildings to draw")?;
     write_atomically(&args.out, svg.as_bytes())?;
     if let Some(osm) = &args.osm {

@@ -9,10 +9,10 @@ use openbench_bench::plural::count;
 use openbench_bench::report::terminal_table;
 use openbench_bench::suite::draw::Draw;
 use openbench_bench::suite::{Condition, Conditions, GoalKind, Sensors, deliveries};
-use openbench_bench::worlds::{load, suite_named};
+use openbench_bench::worlds::{is_drawn_by_seed, is_name, load, suite_of_seed};
 use openbench_bench::{
     AgentFactory, Agents, BenchError, Episode, InterruptedRun, Prepared, Results, RunRequest,
-    Suite, TargetSource, TrafficPlan, Unfinished, WorldSource, builtin_suites, interrupted,
+    Suite, TargetSource, TrafficPlan, Unfinished, WorldSource, interrupted,
 };
 use openbench_core::Address;
 use openbench_osm::{OsmData, lost_in_merge};
@@ -49,7 +49,13 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
         refuse_unfinished(&args.out)?;
         Unfinished::Keep
     };
-    let prepared = prepare(args)?;
+    let prepared = prepare(args, first_seeds(args))?;
+    prepared
+        .world
+        .warnings
+        .iter()
+        .for_each(|w| tell(&format!("{}: {w}", prepared.world.name)));
+    prepared.warnings().iter().for_each(|w| tell(w));
     charge_once(&prepared.suite, &settings)?;
     let fits = factory.check_robot(&settings, &prepared.robot);
     fits.map_err(anyhow::Error::from_boxed)?;
@@ -83,7 +89,7 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
         agent: &args.agent,
         factory,
         settings: &settings,
-        seed: args.seed,
+        seed: first_seeds(args).noise,
         jobs: usize::from(args.jobs),
         level: args.record,
         out: Some(&args.out),
@@ -97,7 +103,10 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
     };
     match &args.seeds {
         None => drive(request, args, stop),
-        Some(seeds) => seeds::drive_each(seeds, &request, args, stop),
+        Some(seeds) => {
+            let world_of = |seed| own_world(args, &prepared, seed);
+            seeds::drive_each(seeds, &request, &world_of, args, stop)
+        }
     }
 }
 
@@ -233,10 +242,7 @@ fn refuse_other_maps(prepared: &Prepared, path: &Path, memory: &OsmData) -> anyh
 fn inputs(args: &RunArgs, world: &WorldSource) -> Vec<PathBuf> {
     let named = [&args.deliveries, &args.truth, &args.memory];
     // A folder that happens to be called as a built-in suite is none that is read.
-    let suite = args
-        .suite
-        .as_ref()
-        .filter(|name| !builtin_suites().contains(name));
+    let suite = args.suite.as_ref().filter(|name| !is_name(name));
     let suite = suite.map(PathBuf::from);
     let paths = world.paths().into_iter().map(Path::to_owned);
     paths
@@ -372,10 +378,37 @@ fn settings(args: &RunArgs) -> BTreeMap<String, String> {
     realtime.into_iter().chain(given).collect()
 }
 
-fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
+/// The name of the suite to run.
+fn suite_name(args: &RunArgs) -> &str {
+    args.suite.as_deref().unwrap_or("small")
+}
+
+/// The seeds of one run.
+#[derive(Debug, Clone, Copy)]
+struct RunSeeds {
+    /// Of the neighbourhood.
+    world: u64,
+    /// Of noise, traffic and conditions.
+    noise: u64,
+}
+
+/// The seeds of the run, or of the first of several.
+fn first_seeds(args: &RunArgs) -> RunSeeds {
+    let world = args
+        .seeds
+        .as_ref()
+        .map_or(args.seed, |seeds| *seeds.start());
+    RunSeeds {
+        world,
+        noise: args.noise_seed.unwrap_or(world),
+    }
+}
+
+/// Builds the world of the suite for the seeds of a run.
+fn prepare(args: &RunArgs, seeds: RunSeeds) -> anyhow::Result<Prepared> {
     let (mut suite, truth) = match (&args.world, &args.map) {
         (Some(world), Some(map)) => (imported(args, world, map)?, args.truth.as_deref()),
-        _ => (suite_named(args.suite.as_deref().unwrap_or("small"))?, None),
+        _ => (suite_of_seed(suite_name(args), seeds.world)?, None),
     };
     for (asked, planned) in [
         (args.pedestrians, &mut suite.traffic.pedestrians),
@@ -384,19 +417,20 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
         *planned = asked.map_or(*planned, usize::from);
     }
     set_conditions(&mut suite, &args.conditions)?;
-    // Each of several seeds gets its own world or map later, if that makes a difference.
-    let seed = args
-        .seeds
-        .as_ref()
-        .map_or(args.seed, |seeds| *seeds.start());
-    let prepared = Prepared::new(suite.with_seed(seed), truth)?;
-    prepared
-        .world
-        .warnings
-        .iter()
-        .for_each(|w| tell(&format!("{}: {w}", prepared.world.name)));
-    prepared.warnings().iter().for_each(|w| tell(w));
-    Ok(prepared)
+    Ok(Prepared::new(suite.with_seed(seeds.noise), truth)?)
+}
+
+/// The world of one of several seeds, where it differs from that of the first one.
+fn own_world(args: &RunArgs, first: &Prepared, seed: u64) -> anyhow::Result<Option<Prepared>> {
+    if args.world.is_some() || !is_drawn_by_seed(suite_name(args)) {
+        return Ok(first.of_seed(seed)?);
+    }
+    let is_first = first_seeds(args).world == seed;
+    let seeds = RunSeeds {
+        world: seed,
+        noise: seed,
+    };
+    (!is_first).then(|| prepare(args, seeds)).transpose()
 }
 
 /// Sets what `--condition` says.

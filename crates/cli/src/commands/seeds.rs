@@ -20,6 +20,9 @@ pub const MEANS: &str = "means.json";
 /// Name of a seed's folder, up to its number.
 const SEED: &str = "seed-";
 
+/// Builds the world of a seed, where it differs from that of the first one.
+pub type WorldOfSeed<'a> = &'a dyn Fn(u64) -> anyhow::Result<Option<Prepared>>;
+
 /// A seed and the folder of its run.
 struct Seed {
     number: u64,
@@ -31,6 +34,7 @@ struct Seed {
 pub fn drive_each(
     seeds: &RangeInclusive<u64>,
     request: &RunRequest<'_>,
+    world_of: WorldOfSeed<'_>,
     args: &RunArgs,
     stop: &StopSignal,
 ) -> anyhow::Result<Outcome> {
@@ -44,11 +48,11 @@ pub fn drive_each(
         .collect();
     // All of them first, before hours are driven for some.
     if !args.discard {
-        spare_other_runs(request, &seeds)?;
+        spare_other_runs(request, world_of, &seeds)?;
     }
     let mut runs = Vec::new();
     for Seed { number, out } in &seeds {
-        let own = request.prepared.of_seed(*number)?;
+        let own = world_of(*number)?;
         let request = of_seed(request, own.as_ref(), *number, out);
         let request = RunRequest {
             unfinished: unfinished(&request, out, args)?,
@@ -153,10 +157,14 @@ fn of_seed<'a>(
 }
 
 /// Refuses to replace finished seeds of another run: they may have taken hours.
-fn spare_other_runs(request: &RunRequest<'_>, seeds: &[Seed]) -> anyhow::Result<()> {
+fn spare_other_runs(
+    request: &RunRequest<'_>,
+    world_of: WorldOfSeed<'_>,
+    seeds: &[Seed],
+) -> anyhow::Result<()> {
     // A folder that does not exist holds no run, and worlds take a while to build.
     for Seed { number, out } in seeds.iter().filter(|seed| seed.out.exists()) {
-        let own = request.prepared.of_seed(*number)?;
+        let own = world_of(*number)?;
         let request = of_seed(request, own.as_ref(), *number, out);
         // What it replaces was agreed to when it was begun.
         let is_begun = match interrupted(out)? {

@@ -6,7 +6,7 @@ use std::path::Path;
 use nalgebra::{UnitQuaternion, Vector3};
 use openbench_bench::image_file;
 use openbench_bench::worlds::folder::is_world;
-use openbench_bench::worlds::load;
+use openbench_bench::worlds::{load, source_named};
 use openbench_bench::{TrafficPlan, WorldSource};
 use openbench_core::{Image, Pose2, Pose3, RobotDescription, Velocity};
 use openbench_osm::{OsmMap, write_atomically};
@@ -233,11 +233,7 @@ fn source(args: &ShowArgs) -> anyhow::Result<WorldSource> {
         (Some(name), ..) if is_world(Path::new(name)) => Ok(WorldSource::Folder {
             path: std::path::absolute(name)?,
         }),
-        (Some(name), ..) => Ok(WorldSource::Builtin {
-            name: name.clone(),
-            // That of the built-in suites.
-            seed: 1,
-        }),
+        (Some(name), ..) => Ok(source_named(name)),
         _ => anyhow::bail!("name a built-in world or a world's folder, or give --world and --map"),
     }
 }

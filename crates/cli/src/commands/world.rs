@@ -6,9 +6,11 @@ use anyhow::Context;
 use openbench_bench::plural::count;
 use openbench_bench::worlds::Recipe;
 use openbench_bench::worlds::folder::{DrawRequest, WrittenWorld, write};
+use openbench_neighbourhoods::draw;
 use openbench_osm::default_georeference;
+use openbench_scene::generate::GenerateOptions;
 
-use crate::args::{DrawArgs, GenerateArgs, ImportArgs, WorldArgs, WorldCommand};
+use crate::args::{DrawArgs, GenerateArgs, ImportArgs, NeighbourhoodArgs, WorldArgs, WorldCommand};
 use crate::commands::{public_map::public_map, read_data, read_part, show::show};
 use crate::outcome::{Outcome, say, tell};
 use crate::progress::doing_for_long;
@@ -17,6 +19,7 @@ use crate::progress::doing_for_long;
 pub fn run(args: &WorldArgs) -> anyhow::Result<Outcome> {
     match &args.command {
         WorldCommand::Generate(args) => generate(args),
+        WorldCommand::Draw(args) => neighbourhood(args),
         WorldCommand::Import(args) => import(args),
         WorldCommand::Show(args) => show(args),
         WorldCommand::Map(args) => public_map(args),
@@ -47,6 +50,30 @@ fn generate(args: &GenerateArgs) -> anyhow::Result<Outcome> {
         write(&args.out, &recipe, &map, request)
     });
     report(&written.with_context(|| file.to_string())?, &args.out)
+}
+
+fn neighbourhood(args: &NeighbourhoodArgs) -> anyhow::Result<Outcome> {
+    let here = draw(args.kind, args.seed);
+    let start = here.start;
+    let options = GenerateOptions::default();
+    let recipe = Recipe::Generated {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        name: here.name(),
+        map: Recipe::map_file(),
+        seed: args.seed,
+        georeference: here.georeference.to_string(),
+        start: Some([start.x, start.y, start.yaw.to_degrees()]),
+        parked_cars: options.parked_cars,
+        planting: options.planting,
+        // The map has all doors.
+        invent_doors: false,
+        attribution: vec![here.attribution()],
+    };
+    let request = draw_request(&args.drawn, args.seed);
+    let written = doing_for_long(&format!("drawing {}", here.name()), || {
+        write(&args.out, &recipe, &here.map, request)
+    });
+    report(&written?, &args.out)
 }
 
 fn import(args: &ImportArgs) -> anyhow::Result<Outcome> {

@@ -1,0 +1,117 @@
+//! House numbers, as countries have them: odd and even sides, or around the street, or per estate;
+//! with gaps and letters here and there.
+
+use openbench_osm::draws::chance;
+use rand_pcg::Pcg64Mcg;
+
+use crate::plan::{Home, HomeKind, Side};
+use crate::purpose::{Purpose, Seed, whole};
+use crate::style::Style;
+use crate::words::Language;
+
+/// Share of the houses before which a number is left out.
+const GAPS: f64 = 0.12;
+/// Share of the houses that were built between two others: `12a`.
+const LETTERS: f64 = 0.07;
+/// Share of the houses with a name of their own.
+const NAMED: f64 = 0.04;
+
+/// Numbers all homes.
+pub(crate) fn give(
+    style: Style,
+    language: Language,
+    seed: Seed,
+    streets: usize,
+    homes: &mut [Home],
+) {
+    let mut of_all = seed.stream(Purpose::Numbers, 0);
+    if style == Style::Slabs {
+        let blocks = chance(&mut of_all, 0.65);
+        estate(language, blocks, &mut of_all, homes);
+        return;
+    }
+    for street in 0..streets {
+        let mut draws = seed.stream(Purpose::Numbers, 1 + street as u64);
+        along(street, &mut draws, homes);
+    }
+    name_some(language, seed, homes);
+}
+
+/// Counts the houses of an estate, by name or as numbers of one street.
+fn estate(language: Language, blocks: bool, draws: &mut Pcg64Mcg, homes: &mut [Home]) {
+    let mut order: Vec<usize> = (0..homes.len()).collect();
+    order.sort_by(|a, b| homes[*a].along.total_cmp(&homes[*b].along));
+    let mut number = whole(draws, 1, 9);
+    for i in order {
+        number += u32::from(chance(draws, GAPS));
+        let home = &mut homes[i];
+        home.number = number.to_string();
+        home.name = blocks.then(|| format!("{} {number}", language.building_word()));
+        number += 1;
+    }
+}
+
+/// Numbers the houses of one street.
+fn along(street: usize, draws: &mut Pcg64Mcg, homes: &mut [Home]) {
+    let of_side = |side: Side, homes: &[Home]| {
+        let mut found: Vec<usize> = (0..homes.len())
+            .filter(|i| homes[*i].street == street && homes[*i].side == side)
+            .collect();
+        found.sort_by(|a, b| homes[*a].along.total_cmp(&homes[*b].along));
+        found
+    };
+    let (mut left, mut right) = (of_side(Side::Left, homes), of_side(Side::Right, homes));
+    if chance(draws, 0.5) {
+        // The town's middle, from which numbers count, is at the other end.
+        left.reverse();
+        right.reverse();
+        std::mem::swap(&mut left, &mut right);
+    }
+    let first = 2 * whole(draws, 0, 24);
+    if chance(draws, 0.2) {
+        // Up one side and down the other.
+        right.reverse();
+        left.append(&mut right);
+        count(&left, first / 2 + 1, 1, draws, homes);
+    } else {
+        count(&left, first + 1, 2, draws, homes);
+        count(&right, first + 2, 2, draws, homes);
+    }
+}
+
+/// Numbers houses in their order.
+fn count(order: &[usize], first: u32, step: u32, draws: &mut Pcg64Mcg, homes: &mut [Home]) {
+    let mut number = first;
+    let mut lettered = true;
+    for i in order {
+        let (gap, letter) = (chance(draws, GAPS), chance(draws, LETTERS));
+        if letter && !lettered {
+            // Built later, beside the house with the number before.
+            homes[*i].number = format!("{}a", number - step);
+            lettered = true;
+            continue;
+        }
+        number += if gap { step } else { 0 };
+        homes[*i].number = number.to_string();
+        number += step;
+        lettered = false;
+    }
+}
+
+/// Gives names to some houses, each name once.
+fn name_some(language: Language, seed: Seed, homes: &mut [Home]) {
+    let mut left = language.house_names().to_vec();
+    for home in homes {
+        let mut draws = seed.stream(Purpose::Numbers, (1 << 40) | home.stream);
+        let may = matches!(
+            home.kind,
+            HomeKind::Detached | HomeKind::Farm | HomeKind::Tower
+        );
+        let wanted = chance(&mut draws, NAMED);
+        let which = whole(&mut draws, 0, 99) as usize;
+        if may && wanted && !left.is_empty() {
+            let name = left.swap_remove(which % left.len());
+            home.name = Some(name.to_owned());
+        }
+    }
+}
