@@ -24,7 +24,7 @@ mod sensors;
 mod source;
 pub mod split;
 mod target_source;
-mod tracks;
+pub(crate) mod tracks;
 pub mod truth_file;
 
 use std::path::{Path, PathBuf};

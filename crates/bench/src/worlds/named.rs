@@ -8,10 +8,10 @@ use super::neighbourhoods::{kind_and_seed, neighbourhood_suite};
 use super::{builtin_suite, folder};
 use crate::BenchError;
 use crate::suite::builtin::builtin_suites;
-use crate::suite::{Suite, WorldSource};
+use crate::suite::{Suite, Track, WorldSource, tracks};
 
-/// The suite that a word names: a built-in one, that of a drawn neighbourhood (`medium-7`), a suite
-/// file (`.toml`), or the folder of a world.
+/// The suite that a word names: a built-in one, a track, that of a drawn neighbourhood (`medium-7`),
+/// a suite file (`.toml`), or the folder of a world.
 ///
 /// # Errors
 /// A file that is no suite, a folder without a world, or a name that is unknown.
@@ -29,10 +29,25 @@ pub fn suite_named(name: &str) -> Result<Suite, BenchError> {
     if path.extension().is_some_and(|e| e == "toml") {
         return Suite::read(path);
     }
-    match kind_and_seed(name) {
-        Some((kind, seed)) => neighbourhood_suite(kind, seed),
-        None => builtin_suite(name),
+    match (Track::named(name), kind_and_seed(name)) {
+        (Some(track), _) => suite_of_track(track, 0),
+        (None, Some((kind, seed))) => neighbourhood_suite(kind, seed),
+        (None, None) => builtin_suite(name),
     }
+}
+
+/// The suite of a track for the seed of a run.
+fn suite_of_track(track: &Track, seed: u64) -> Result<Suite, BenchError> {
+    let suite = suite_of_seed(tracks::KIND, seed)?;
+    Ok(Suite {
+        name: match seed {
+            0 => track.name.to_owned(),
+            _ => format!("{}-{seed}", track.name),
+        },
+        conditions: track.conditions(seed).map_err(BenchError::world)?,
+        traffic: track.traffic,
+        ..suite
+    })
 }
 
 /// The world of a name that [`is_name`]: that of its suite. For others the error comes from
@@ -44,7 +59,8 @@ pub fn source_named(name: &str) -> WorldSource {
             seed,
         },
         None => WorldSource::Builtin {
-            name: name.to_owned(),
+            // A track has the world of its kind.
+            name: Track::named(name).map_or(name, |_| tracks::KIND).to_owned(),
             // That of the built-in suites.
             seed: 1,
         },
@@ -53,12 +69,14 @@ pub fn source_named(name: &str) -> WorldSource {
 
 /// Whether a word names a suite that is read from no file.
 pub fn is_name(name: &str) -> bool {
-    kind_and_seed(name).is_some() || builtin_suites().iter().any(|known| known == name)
+    let is_built_in = builtin_suites().iter().any(|known| known == name);
+    is_built_in || kind_and_seed(name).is_some() || Track::named(name).is_some()
 }
 
 /// Whether a word names a suite that has another world for each seed of a run.
 pub fn is_drawn_by_seed(name: &str) -> bool {
-    name.parse::<Kind>().is_ok() && !folder::is_world(Path::new(name))
+    let is_drawn = name.parse::<Kind>().is_ok() || Track::named(name).is_some();
+    is_drawn && !folder::is_world(Path::new(name))
 }
 
 /// The suite that a word names, for the seed of a run: a seed other than 0 turns a built-in suite
@@ -67,8 +85,12 @@ pub fn is_drawn_by_seed(name: &str) -> bool {
 /// # Errors
 /// As [`suite_named`].
 pub fn suite_of_seed(name: &str, seed: u64) -> Result<Suite, BenchError> {
-    match name.parse::<Kind>() {
-        Ok(kind) if seed > 0 && is_drawn_by_seed(name) => neighbourhood_suite(kind, seed),
-        _ => suite_named(name),
+    if seed == 0 || !is_drawn_by_seed(name) {
+        return suite_named(name);
+    }
+    match (Track::named(name), name.parse::<Kind>()) {
+        (Some(track), _) => suite_of_track(track, seed),
+        (None, Ok(kind)) => neighbourhood_suite(kind, seed),
+        (None, Err(_)) => suite_named(name),
     }
 }
