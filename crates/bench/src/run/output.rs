@@ -98,6 +98,7 @@ impl FinishedRun<'_> {
             conditions: prepared.suite.conditions,
             drawn_map: prepared.on_map().drawn(),
             drawn_robot: drawn(prepared),
+            drawn_plates: prepared.world.plates.clone(),
             memory: record.memory.clone(),
             metrics: summarize(&deliveries, &totals),
             episodes: deliveries::score_episodes(prepared, traces),

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, Start, input};
 use openbench_osm::disturb::MapState;
+use openbench_scene::plates::DrawnPlates;
 use openbench_sim::Defects;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
@@ -63,6 +64,9 @@ pub struct Results {
     /// How the robot differed from its description; absent if it did not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_robot: Option<Defects>,
+    /// The plates that were drawn as in streets; absent if all are as in the published worlds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn_plates: Option<DrawnPlates>,
     /// The doors from earlier runs that the agent knew; absent without a memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<MemoryUse>,
@@ -483,6 +487,7 @@ pub(crate) mod tests {
             conditions: Conditions::default(),
             drawn_map: None,
             drawn_robot: None,
+            drawn_plates: None,
             memory: None,
             metrics: Metrics::default(),
             episodes: vec![],

@@ -26,6 +26,7 @@ pub mod truth_file;
 use std::path::{Path, PathBuf};
 
 use openbench_core::Address;
+use openbench_scene::generate::PlateOptions;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
@@ -166,10 +167,20 @@ impl Suite {
         Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
     }
 
-    /// Whether the maps or robots of this suite differ from seed to seed.
+    /// The plates of the world with the suite's seed.
+    pub fn plates(&self) -> PlateOptions {
+        PlateOptions {
+            shares: self.conditions.plates,
+            seed: self.seed,
+        }
+    }
+
+    /// Whether the maps, plates or robots of this suite differ from seed to seed.
     pub fn depends_on_seed(&self) -> bool {
-        let Conditions { map, robot, .. } = &self.conditions;
-        !(map.is_off() && robot.is_off())
+        let Conditions {
+            map, robot, plates, ..
+        } = &self.conditions;
+        !(map.is_off() && robot.is_off() && plates.is_off())
     }
 
     /// The suite as it is with a run's seed.

@@ -24,7 +24,7 @@ mod targets;
 
 pub use builtin::builtin_suite;
 pub use hashes::Hashes;
-pub use load::load;
+pub use load::{load, load_with};
 pub use named::suite_named;
 pub use prepared::{Prepared, PreparedEpisode};
 pub use public_map::{DrawnMap, OnMap};

@@ -12,7 +12,7 @@ use openbench_scene::{FreeSpace, World};
 use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
 use openbench_sim::{Defects, Simulator, Stage};
 
-use super::load;
+use super::load_with;
 use super::public_map::{OnMap, WrongMap, building_of};
 use super::targets::{Target, find_doors, match_doors, read_truths};
 use crate::BenchError;
@@ -128,7 +128,7 @@ impl Prepared {
     /// Builds the world of a suite. Which buildings the public map spares is not known before the
     /// episodes are.
     fn with_true_map(suite: Suite) -> Result<Self, BenchError> {
-        let world = load(&suite.world)?;
+        let world = load_with(&suite.world, suite.plates())?;
         let robot = suite.sensors.robot();
         let defects = suite.conditions.robot.draw(suite.seed);
         let stage =

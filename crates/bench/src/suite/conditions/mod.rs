@@ -8,15 +8,18 @@
 //! |---|---|
 //! | `level` | conditions by name, or by numbers |
 //! | `map` | `[map]`: how wrong the public map is |
+//! | `plates` | `[plates]`: what door plates are like |
 //! | `start` | `[start]`: how well an agent knows where it starts |
 //! | `robot` | `[robot]`: how far the robot differs from its description |
 
 mod level;
 mod map;
+mod plates;
 mod robot;
 mod start;
 
 use openbench_osm::disturb::MapErrors;
+use openbench_scene::plates::StreetPlates;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -61,12 +64,19 @@ pub struct Conditions {
         skip_serializing_if = "Condition::is_off"
     )]
     pub robot: RobotErrors,
+    /// What door plates are like.
+    #[serde(
+        serialize_with = "level::serialize",
+        deserialize_with = "level::deserialize",
+        skip_serializing_if = "Condition::is_off"
+    )]
+    pub plates: StreetPlates,
 }
 
 impl Conditions {
     /// Whether nothing is harder than in the paper.
     pub fn are_off(&self) -> bool {
-        self.map.is_off() && self.start.is_off() && self.robot.is_off()
+        self.map.is_off() && self.start.is_off() && self.robot.is_off() && self.plates.is_off()
     }
 
     /// Those that are not off, as the command line takes them: `map=city`, or `map.shift_m=3` for
@@ -74,7 +84,8 @@ impl Conditions {
     pub fn words(&self) -> Vec<String> {
         let map = level::words(&self.map);
         let start = level::words(&self.start);
-        [map, start, level::words(&self.robot)].concat()
+        let robot = level::words(&self.robot);
+        [map, start, robot, level::words(&self.plates)].concat()
     }
 
     /// Sets a condition to a level (`map`, `city`), or one of its numbers (`map.shift_m`, `3`).
@@ -90,6 +101,7 @@ impl Conditions {
             MapErrors::KEY => set(&mut self.map, number, value),
             StartErrors::KEY => set(&mut self.start, number, value),
             RobotErrors::KEY => set(&mut self.robot, number, value),
+            StreetPlates::KEY => set(&mut self.plates, number, value),
             _ => Err(ConditionError {
                 key: key.to_owned(),
                 problem: format!("there is no such condition; there are {}", NAMES.join(", ")),
@@ -99,7 +111,12 @@ impl Conditions {
 }
 
 /// The conditions by name.
-const NAMES: [&str; 3] = [MapErrors::KEY, StartErrors::KEY, RobotErrors::KEY];
+const NAMES: [&str; 4] = [
+    MapErrors::KEY,
+    StartErrors::KEY,
+    RobotErrors::KEY,
+    StreetPlates::KEY,
+];
 
 fn set<C: Condition>(
     condition: &mut C,
