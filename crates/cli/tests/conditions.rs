@@ -154,3 +154,22 @@ fn the_wrong_map_can_be_seen_and_kept() {
     let refused = place.openbench("world map one.toml --out map.png");
     refused.refused_with(&["map.png", ".svg"]);
 }
+
+#[test]
+fn plates_as_in_streets_are_drawn_recorded_and_verified() {
+    let place = place();
+    let conditions = "--condition plates=real --condition plates.missing=0";
+    let results = run(&place, &format!("{conditions} --seed 3 --out r"))
+        .succeeded()
+        .json();
+    let drawn = &results["drawn_plates"];
+    assert_eq!(drawn["doors"], 8, "{drawn}");
+    assert_eq!(drawn["missing"], 0, "{drawn}");
+    assert_eq!(drawn["test_typefaces"], false, "{drawn}");
+    place.openbench("verify r").succeeded();
+    let plain = run(&place, "--seed 3 --out p").succeeded().json();
+    assert_eq!(plain["drawn_plates"], Value::Null);
+    let (real, plain) = (&results["provenance"], &plain["provenance"]);
+    assert_ne!(real["hashes"]["world"], plain["hashes"]["world"]);
+    assert_eq!(real["hashes"]["map"], plain["hashes"]["map"]);
+}

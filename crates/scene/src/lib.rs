@@ -11,7 +11,8 @@
 //! | `free_space` | [`FreeSpace`]: where a footprint fits, and distances for it |
 //! | `import` | [`import_world`]: Gazebo worlds and their meshes |
 //! | [`generate`](mod@generate) | worlds from an OSM file and a seed |
-//! | [`plate`] | number plates |
+//! | [`plate`] | number plates of published worlds |
+//! | [`plates`] | door plates of real streets |
 //! | `world` | [`World`]: a scene with its public map, georeference and start |
 //! | `beyond` | ground around the drawn ground |
 //! | `triangulate` | triangulation of an outline with holes |
@@ -23,6 +24,7 @@ pub mod generate;
 mod import;
 mod material;
 pub mod plate;
+pub mod plates;
 mod raycast;
 mod scene;
 mod triangulate;

@@ -9,6 +9,7 @@ use fontdue::{Font, FontSettings};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use openbench_core::Pose3;
 
+use crate::plates::Extent;
 use crate::scene::Layer;
 use crate::{Material, MaterialId, SceneBuilder, SemanticClass, Texture};
 
@@ -18,6 +19,12 @@ pub const PLATE_WIDTH_M: f64 = 1.0;
 pub const PLATE_HEIGHT_M: f64 = 0.45;
 /// Height of the capitals on it, metres.
 pub const CAPITAL_HEIGHT_M: f64 = 0.25;
+
+/// The text of a plate: the plate without its margins, and the height of the capitals.
+pub const USUAL_LETTERING: Extent = Extent {
+    width_m: PLATE_WIDTH_M - 0.1,
+    height_m: CAPITAL_HEIGHT_M,
+};
 
 /// Distance of the face in front of the pose, metres.
 const FACE_M: f64 = 0.03;

@@ -8,6 +8,7 @@ use openbench_core::{Address, MapPoint, Pose2};
 use openbench_geometry::Bounds;
 
 use crate::material::{Material, MaterialId, SemanticClass, Texture, TextureId};
+use crate::plates::Extent;
 
 /// Corners farther away than this are broken data, metres. Positions are in single precision,
 /// which has steps of 6 cm there.
@@ -74,12 +75,14 @@ pub struct SolidMesh {
 pub struct Door {
     /// Building and unit.
     pub address: Address,
-    /// Text on the plate.
+    /// Text on the plate; empty if there is no plate.
     pub text: String,
-    /// Middle of the plate, metres in `map`.
+    /// Middle of the text, metres in `map`; where a plate would be if there is none.
     pub plate: [f64; 3],
     /// Direction that the plate faces: radians, counter-clockwise from east.
     pub facing: f64,
+    /// Size of the text, and of its capitals.
+    pub lettering: Extent,
     /// Middle of the door in its wall, and the direction out of the wall; `None` in imported
     /// worlds, which have plates only.
     pub doorway: Option<Pose2>,
@@ -287,6 +290,25 @@ impl SceneBuilder {
     pub fn material(&mut self, material: Material) -> MaterialId {
         self.scene.materials.push(material);
         MaterialId(self.scene.materials.len() as u32 - 1)
+    }
+
+    /// Brightness of a material with its image, 0 to 1; that of some of its texels.
+    pub(crate) fn brightness(&self, material: MaterialId) -> f32 {
+        const SAMPLES: usize = 64;
+        let luma = |[r, g, b]: [f32; 3]| 0.3 * r + 0.59 * g + 0.11 * b;
+        let material = &self.scene.materials[material.0 as usize];
+        let own = luma(material.color);
+        let Some(texture) = material.texture else {
+            return own;
+        };
+        let rgba = &self.scene.textures[texture.0 as usize].rgba;
+        let step = (rgba.len() / 4 / SAMPLES).max(1);
+        let texels = rgba.chunks_exact(4).step_by(step);
+        let count = texels.len() as f32;
+        let sum: f32 = texels
+            .map(|texel| luma([0, 1, 2].map(|c| f32::from(texel[c]) / 255.0)))
+            .sum();
+        own * sum / count
     }
 
     /// Adds a mesh: corners, and triangles as indices into them. Triangles with a corner that is

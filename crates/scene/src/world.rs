@@ -3,6 +3,7 @@
 use openbench_core::{Georeference, Pose2};
 use openbench_osm::OsmData;
 
+use crate::plates::DrawnPlates;
 use crate::scene::Scene;
 
 /// If the start is farther than this from the origin of its frame, the origin is moved, metres.
@@ -25,6 +26,8 @@ pub struct World {
     pub start: Pose2,
     /// Licences and authors to name beside images and maps of this world.
     pub attribution: Vec<String>,
+    /// The plates that were drawn as in streets; `None` if all are as in the published worlds.
+    pub plates: Option<DrawnPlates>,
     /// What import or generation left out.
     pub warnings: Vec<String>,
 }

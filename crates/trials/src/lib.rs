@@ -6,11 +6,13 @@
 //! | [`motion`] | local planners in short scenes and among people |
 //! | [`instructions`] | SRTP of planners over annotated instructions |
 //! | [`towns`] | deliveries of an agent in random neighbourhoods |
+//! | [`fairness`] | plates as in streets that a reader reads |
 //! | [`degraded`] | health reported by a localizer with degraded sensors |
 //! | [`tour`] | drives that produce sensor logs |
 //! | [`speed`] | speed of the simulator and of routing |
 
 pub mod degraded;
+pub mod fairness;
 pub mod instructions;
 pub mod motion;
 pub mod speed;

@@ -106,6 +106,7 @@ impl FinishedRun<'_> {
             drawn_robot: drawn(prepared),
             drawn_lens: drawn_lens(prepared),
             drawn_light: prepared.surroundings.light,
+            drawn_plates: prepared.world.plates.clone(),
             memory: record.memory.clone(),
             metrics: summarize(&deliveries, &totals),
             episodes: deliveries::score_episodes(prepared, traces),

@@ -49,6 +49,12 @@ pub fn departures(results: &Results) -> Vec<String> {
     );
     lines.extend(results.drawn_map.map(|map| map.describe()));
     lines.extend(computing(results));
+    lines.extend(
+        results
+            .drawn_plates
+            .as_ref()
+            .map(|plates| plates.describe()),
+    );
     lines.extend(unmapped(results));
     lines.extend(fallbacks(results));
     lines.extend(failed_calls(results));

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, Start, Work, input};
 use openbench_osm::disturb::MapState;
+use openbench_scene::plates::DrawnPlates;
 use openbench_sim::traffic::TrafficPlan;
 use openbench_sim::{Daylight, Defects, LensBuild};
 use serde::{Deserialize, Serialize};
@@ -69,6 +70,9 @@ pub struct Results {
     /// Hour, sun, clouds and lamps; absent if the light was the world's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_light: Option<Daylight>,
+    /// The plates that were drawn as in streets; absent if all are as in the published worlds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn_plates: Option<DrawnPlates>,
     /// The doors from earlier runs that the agent knew; absent without a memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<MemoryUse>,
@@ -525,6 +529,7 @@ pub(crate) mod tests {
             drawn_robot: None,
             drawn_lens: None,
             drawn_light: None,
+            drawn_plates: None,
             memory: None,
             metrics: Metrics::default(),
             episodes: vec![],

@@ -30,6 +30,7 @@ pub mod truth_file;
 use std::path::{Path, PathBuf};
 
 use openbench_core::Address;
+use openbench_scene::generate::PlateOptions;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
@@ -173,6 +174,14 @@ impl Suite {
             checked.map_err(|problem| BenchError::bad_file(path, problem))?;
         }
         Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
+    }
+
+    /// The plates of the world with the suite's seed.
+    pub fn plates(&self) -> PlateOptions {
+        PlateOptions {
+            shares: self.conditions.plates,
+            seed: self.seed,
+        }
     }
 
     /// Whether maps, their frames, robots or surroundings of this suite differ from seed to seed.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use openbench_core::Georeference;
 use openbench_neighbourhoods::{Kind, draw};
 use openbench_scene::World;
-use openbench_scene::generate;
+use openbench_scene::generate::{self, PlateOptions};
 use openbench_scene::{ImportRequest, import_world};
 
 use super::places::Place;
@@ -19,9 +19,29 @@ use crate::suite::builtin::builtin_suites;
 /// # Errors
 /// An unknown name, a file that cannot be used, or a world that cannot be built.
 pub fn load(source: &WorldSource) -> Result<World, BenchError> {
+    load_with(source, PlateOptions::default())
+}
+
+/// Builds a world with other door plates.
+///
+/// # Errors
+/// As [`load`], and [`BenchError::World`] for plates in an imported world: where its plates hang is
+/// part of it.
+pub fn load_with(source: &WorldSource, plates: PlateOptions) -> Result<World, BenchError> {
+    let is_imported = match source {
+        WorldSource::Imported { .. } => true,
+        WorldSource::Folder { path } => Recipe::read(path)?.is_imported(),
+        WorldSource::Builtin { .. } | WorldSource::Drawn { .. } => false,
+    };
+    if is_imported && plates.shares.real {
+        return Err(BenchError::world(
+            "plates: an imported world keeps its own plates; leave the condition `plates` out, or \
+             generate a world from the map (openbench world generate)",
+        ));
+    }
     match source {
-        WorldSource::Builtin { name, seed } => builtin(name, *seed),
-        WorldSource::Drawn { kind, seed } => drawn(kind, *seed),
+        WorldSource::Builtin { name, seed } => builtin(name, *seed, plates),
+        WorldSource::Drawn { kind, seed } => drawn(kind, *seed, plates),
         WorldSource::Imported {
             world,
             map,
@@ -33,23 +53,23 @@ pub fn load(source: &WorldSource) -> Result<World, BenchError> {
             models.clone(),
             georeference.as_deref(),
         ),
-        WorldSource::Folder { path } => Recipe::read(path)?.build(path),
+        WorldSource::Folder { path } => Recipe::read(path)?.build_with(path, plates),
     }
 }
 
-fn builtin(name: &str, seed: u64) -> Result<World, BenchError> {
+fn builtin(name: &str, seed: u64, plates: PlateOptions) -> Result<World, BenchError> {
     let unknown = || BenchError::UnknownSuite {
         name: name.to_owned(),
         known: builtin_suites(),
     };
     if let Some(place) = Place::named(name) {
-        return place.world(seed);
+        return place.world(seed, plates);
     }
-    let world = generate::builtin(name, seed).ok_or_else(unknown)?;
+    let world = generate::builtin_with(name, seed, plates).ok_or_else(unknown)?;
     world.map_err(BenchError::world)
 }
 
-fn drawn(kind: &str, seed: u64) -> Result<World, BenchError> {
+fn drawn(kind: &str, seed: u64, plates: PlateOptions) -> Result<World, BenchError> {
     let kind: Kind = kind.parse().map_err(BenchError::world)?;
     let here = draw(kind, seed);
     let options = generate::GenerateOptions {
@@ -58,6 +78,7 @@ fn drawn(kind: &str, seed: u64) -> Result<World, BenchError> {
         // The map has all doors.
         invent_doors: false,
         attribution: vec![here.attribution()],
+        plates,
         ..generate::GenerateOptions::default()
     };
     let world = generate::generate(&here.map, here.georeference, seed, &options);
@@ -82,4 +103,30 @@ fn imported(
         start: None,
     };
     import_world(&request).map_err(BenchError::world)
+}
+
+#[cfg(test)]
+mod tests {
+    use openbench_scene::plates::StreetPlates;
+
+    use super::*;
+
+    #[test]
+    fn an_imported_world_keeps_its_plates() {
+        let source = WorldSource::Imported {
+            world: "any.world".into(),
+            map: "any.osm".into(),
+            models: Vec::new(),
+            georeference: None,
+        };
+        let plates = PlateOptions {
+            shares: StreetPlates::REAL,
+            seed: 1,
+        };
+        let error = load_with(&source, plates).unwrap_err().to_string();
+        assert!(
+            error.contains("leave the condition `plates` out"),
+            "{error}"
+        );
+    }
 }

@@ -30,7 +30,7 @@ mod targets;
 
 pub use builtin::builtin_suite;
 pub use hashes::Hashes;
-pub use load::load;
+pub use load::{load, load_with};
 pub use named::{is_drawn_by_seed, is_name, source_named, suite_named, suite_of_seed};
 pub use neighbourhoods::neighbourhood_suite;
 pub use prepared::{Prepared, PreparedEpisode};

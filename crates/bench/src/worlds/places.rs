@@ -3,7 +3,7 @@
 
 use openbench_osm::{OsmData, default_georeference};
 use openbench_scene::World;
-use openbench_scene::generate::{GenerateOptions, generate};
+use openbench_scene::generate::{GenerateOptions, PlateOptions, generate};
 
 use crate::BenchError;
 use crate::suite::split::Split;
@@ -56,11 +56,12 @@ impl Place {
     ///
     /// # Errors
     /// [`BenchError::World`] if the world cannot be built.
-    pub(crate) fn world(&self, seed: u64) -> Result<World, BenchError> {
+    pub(crate) fn world(&self, seed: u64, plates: PlateOptions) -> Result<World, BenchError> {
         let data = OsmData::from_xml(self.xml.as_bytes()).map_err(BenchError::world)?;
         let georeference = default_georeference(&data).map_err(BenchError::world)?;
         let options = GenerateOptions {
             name: self.name.to_owned(),
+            plates,
             attribution: vec![format!(
                 "Map `{}`: © OpenStreetMap contributors, ODbL 1.0",
                 self.name

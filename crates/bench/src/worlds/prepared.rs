@@ -12,7 +12,7 @@ use openbench_scene::{FreeSpace, World};
 use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
 use openbench_sim::{Defects, Simulator, Stage, Surroundings};
 
-use super::load;
+use super::load_with;
 use super::public_map::{OnMap, OtherMap, building_of};
 use super::surroundings::surroundings;
 use super::targets::{Target, find_doors, match_doors, read_truths};
@@ -131,7 +131,7 @@ impl Prepared {
     /// Builds the world of a suite. Which buildings the public map spares is not known before the
     /// episodes are.
     fn with_true_map(suite: Suite) -> Result<Self, BenchError> {
-        let world = load(&suite.world)?;
+        let world = load_with(&suite.world, suite.plates())?;
         let mut robot = suite.sensors.robot();
         robot.camera_intrinsics.distortion = suite.conditions.camera.distortion();
         let surroundings = surroundings(&world, &suite.conditions, suite.seed);
@@ -180,6 +180,10 @@ impl Prepared {
         let suite = self.suite.clone().with_seed(seed);
         if suite.seed == self.suite.seed {
             return Ok(None);
+        }
+        if !suite.conditions.plates.is_off() {
+            // They are parts of the world.
+            return Self::new(suite, self.truth.as_deref()).map(Some);
         }
         let other = self.redrawn(suite);
         Ok(Some(other.with_episodes(self.truth.as_deref())?))

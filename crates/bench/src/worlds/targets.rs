@@ -172,6 +172,7 @@ mod tests {
                 text: format!("unit {unit}"),
                 plate: [10.0 * f64::from(unit), 0.0, 1.5],
                 facing: 0.0,
+                lettering: openbench_scene::plate::USUAL_LETTERING,
                 doorway: None,
             })
             .collect()

@@ -5,7 +5,6 @@ use std::str::FromStr;
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::{Image, Pose3, RobotDescription};
-use openbench_scene::plate::{CAPITAL_HEIGHT_M, PLATE_WIDTH_M};
 use openbench_scene::{Door, RayPacket};
 use openbench_sim::Stage;
 use openbench_vision::{PlateReader, PlateReading, ReaderError};
@@ -13,8 +12,6 @@ use openbench_vision::{PlateReader, PlateReading, ReaderError};
 use crate::run::TruthHandle;
 use crate::run::truth::{Instant, Truth};
 
-/// Width of the text of a plate, metres: the plate without its margins.
-const TEXT_WIDTH_M: f64 = PLATE_WIDTH_M - 0.1;
 /// Rays to a plate end so far in front of its door, metres: the plate does not hide itself. Plates
 /// of imported worlds hang 10 cm in front of their doors, others less.
 const IN_FRONT_M: f64 = 0.12;
@@ -93,6 +90,10 @@ impl TruthReader {
     }
 
     fn reading(&self, door: &Door, instant: &Instant) -> Option<PlateReading> {
+        // A door without a plate.
+        if door.text.is_empty() {
+            return None;
+        }
         let camera = instant.base_link * self.robot.camera;
         let text = Text::of(door);
         if text.letter_height(&camera, self.focal_length())? < self.least.0 {
@@ -170,6 +171,8 @@ impl PlateReader for TruthReader {
 /// The text of a plate in space.
 struct Text {
     middle: Point3<f64>,
+    /// Height of its capitals, metres.
+    capital_m: f64,
     /// Clockwise from the top left, as seen from in front of it.
     corners: [Point3<f64>; 4],
     /// Direction that it faces; unit length.
@@ -182,10 +185,11 @@ impl Text {
         let (sin, cos) = libm::sincos(door.facing);
         // Who looks at the plate has its left end to the left.
         let (along_sin, along_cos) = libm::sincos(door.facing + FRAC_PI_2);
-        let right = Vector3::new(along_cos, along_sin, 0.0) * (TEXT_WIDTH_M / 2.0);
-        let up = Vector3::z() * (CAPITAL_HEIGHT_M / 2.0);
+        let right = Vector3::new(along_cos, along_sin, 0.0) * (door.lettering.width_m / 2.0);
+        let up = Vector3::z() * (door.lettering.height_m / 2.0);
         Self {
             middle,
+            capital_m: door.lettering.height_m,
             corners: [
                 middle - right + up,
                 middle + right + up,
@@ -202,7 +206,7 @@ impl Text {
         let to_camera = camera.translation.vector - self.middle.coords;
         let cosine = to_camera.normalize().dot(&self.normal);
         let depth = (camera.inverse() * self.middle).x;
-        (cosine > 0.0 && depth > 0.0).then(|| cosine * focal_length * CAPITAL_HEIGHT_M / depth)
+        (cosine > 0.0 && depth > 0.0).then(|| cosine * focal_length * self.capital_m / depth)
     }
 }
 

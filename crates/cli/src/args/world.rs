@@ -28,6 +28,8 @@ pub enum WorldCommand {
     Show(ShowArgs),
     /// Draw the public map of a suite over its world: what is wrong with it
     Map(PublicMapArgs),
+    /// Draw door plates as streets have them on a contact sheet
+    Plates(PlatesArgs),
 }
 
 /// Arguments of `world map`.
@@ -54,6 +56,25 @@ pub struct PublicMapArgs {
     /// Also write the public map that agents get
     #[arg(long, value_name = "FILE.osm", value_parser = osm_file)]
     pub osm: Option<PathBuf>,
+}
+
+/// Arguments of `world plates`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Seeds 11000 to 11999 are lettered with the typefaces that are kept for tests.
+
+Example:
+  openbench world plates --seed 10000 --out plates.png")]
+pub struct PlatesArgs {
+    /// Seed of what is drawn
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Number of plates
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u16).range(1..=2000))]
+    pub count: u16,
+    /// The picture: PNG, or JPEG if the name ends in .jpg
+    #[arg(long, default_value = "plates.png", value_parser = picture_file)]
+    pub out: PathBuf,
 }
 
 /// Arguments of `world generate`.
@@ -209,6 +230,13 @@ pub struct ShowArgs {
     /// such as utm:50N,-500000,-4483000
     #[arg(long)]
     pub georef: Option<String>,
+    /// What door plates are like: plates=real, or a number, such as plates.hidden=0.5; may be
+    /// repeated
+    #[arg(long = "condition", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub conditions: Vec<(String, String)>,
+    /// Seed of what conditions draw, as of a run
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
     /// Pose of the robot whose camera view is rendered, metres and degrees [default: from above]
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = pose)]
     pub from: Option<openbench_core::Pose2>,

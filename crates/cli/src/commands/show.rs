@@ -3,13 +3,16 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use anyhow::Context;
 use nalgebra::{UnitQuaternion, Vector3};
 use openbench_bench::image_file;
+use openbench_bench::suite::Conditions;
 use openbench_bench::worlds::folder::is_world;
-use openbench_bench::worlds::{load, source_named};
+use openbench_bench::worlds::{load_with, source_named};
 use openbench_bench::{TrafficPlan, WorldSource};
 use openbench_core::{Image, Pose2, Pose3, RobotDescription, Velocity};
 use openbench_osm::{OsmMap, write_atomically};
+use openbench_scene::generate::PlateOptions;
 use openbench_scene::{Movers, RayCaster, Scene, SemanticClass, World, ground_height};
 use openbench_sim::{ImageSize, Labels, Simulator, Stage, View};
 use serde_json::json;
@@ -23,7 +26,16 @@ const BLACK: [u8; 3] = [0; 3];
 
 /// Draws a world.
 pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
-    let world = load(&source(args)?)?;
+    let mut conditions = Conditions::default();
+    for (key, value) in &args.conditions {
+        let set = conditions.set(key, value);
+        set.with_context(|| format!("--condition {key}={value}"))?;
+    }
+    let plates = PlateOptions {
+        shares: conditions.plates,
+        seed: args.seed,
+    };
+    let world = load_with(&source(args)?, plates)?;
     world.warnings.iter().for_each(|w| tell(w));
     let plan = TrafficPlan {
         pedestrians: args.pedestrians.into(),
@@ -94,7 +106,7 @@ fn movers(world: &World, stage: &Stage, plan: TrafficPlan, after: u16) -> anyhow
 }
 
 /// JPEG if the name says so, PNG otherwise.
-fn write_picture(path: &Path, image: Image, quality: u8) -> anyhow::Result<()> {
+pub(super) fn write_picture(path: &Path, image: Image, quality: u8) -> anyhow::Result<()> {
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let bytes = if ending == "jpg" || ending == "jpeg" {
         image_file::jpeg_of_quality(&image, quality)?

@@ -6,14 +6,25 @@ use anyhow::Context;
 use openbench_bench::plural::count;
 use openbench_bench::worlds::Recipe;
 use openbench_bench::worlds::folder::{DrawRequest, WrittenWorld, write};
+use openbench_core::Image;
 use openbench_neighbourhoods::draw;
 use openbench_osm::default_georeference;
 use openbench_scene::generate::GenerateOptions;
+use openbench_scene::plates::contact_sheet;
 
-use crate::args::{DrawArgs, GenerateArgs, ImportArgs, NeighbourhoodArgs, WorldArgs, WorldCommand};
-use crate::commands::{public_map::public_map, read_data, read_part, show::show};
+use crate::args::{
+    DrawArgs, GenerateArgs, ImportArgs, NeighbourhoodArgs, PlatesArgs, WorldArgs, WorldCommand,
+};
+use crate::commands::{
+    public_map::public_map,
+    read_data, read_part,
+    show::{show, write_picture},
+};
 use crate::outcome::{Outcome, say, tell};
 use crate::progress::doing_for_long;
+
+/// JPEG quality of contact sheets.
+const SHEET_QUALITY: u8 = 80;
 
 /// Does what is asked with worlds.
 pub fn run(args: &WorldArgs) -> anyhow::Result<Outcome> {
@@ -23,7 +34,31 @@ pub fn run(args: &WorldArgs) -> anyhow::Result<Outcome> {
         WorldCommand::Import(args) => import(args),
         WorldCommand::Show(args) => show(args),
         WorldCommand::Map(args) => public_map(args),
+        WorldCommand::Plates(args) => plates(args),
     }
+}
+
+/// Draws a contact sheet of door plates.
+fn plates(args: &PlatesArgs) -> anyhow::Result<Outcome> {
+    let sheet = contact_sheet(args.seed, args.count.into());
+    let rgb = sheet
+        .rgba
+        .chunks_exact(4)
+        .flat_map(|texel| texel[..3].to_vec());
+    let image = Image {
+        stamp: Default::default(),
+        width: sheet.width,
+        height: sheet.height,
+        rgb: rgb.collect(),
+    };
+    write_picture(&args.out, image, SHEET_QUALITY)?;
+    say(&format!(
+        "{} plates of seed {}; picture in {}\n",
+        args.count,
+        args.seed,
+        args.out.display()
+    ))?;
+    Ok(Outcome::Done)
 }
 
 fn generate(args: &GenerateArgs) -> anyhow::Result<Outcome> {

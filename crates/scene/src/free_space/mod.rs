@@ -364,6 +364,7 @@ mod tests {
             text: "UNIT 1".into(),
             plate: [1.0, 0.0, 1.5],
             facing: -std::f64::consts::FRAC_PI_2,
+            lettering: crate::plate::USUAL_LETTERING,
             doorway: None,
         };
         let point = space.approach_point(&door).unwrap();

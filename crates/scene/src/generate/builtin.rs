@@ -3,7 +3,7 @@
 use openbench_core::{Georeference, Pose2};
 use openbench_osm::OsmData;
 
-use super::{GenerateError, GenerateOptions, generate};
+use super::{GenerateError, GenerateOptions, PlateOptions, generate};
 use crate::world::World;
 
 /// A map that the crate carries.
@@ -55,9 +55,19 @@ pub(crate) fn builtin_map(name: &str) -> Option<Result<OsmData, GenerateError>> 
 
 /// A built-in world; `None` if there is none of that name.
 pub fn builtin(name: &str, seed: u64) -> Option<Result<World, GenerateError>> {
+    builtin_with(name, seed, PlateOptions::default())
+}
+
+/// A built-in world with other plates; `None` if there is none of that name.
+pub fn builtin_with(
+    name: &str,
+    seed: u64,
+    plates: PlateOptions,
+) -> Option<Result<World, GenerateError>> {
     let options = GenerateOptions {
         name: name.to_owned(),
         start: Some(Pose2::default()),
+        plates,
         attribution: vec![format!("Built-in map `{name}`: a made-up place, CC0")],
         ..GenerateOptions::default()
     };

@@ -6,6 +6,7 @@ use openbench_geometry::{Bounds, Polygon, Segment};
 use openbench_osm::OsmMap;
 
 use super::doors::doorway::Doorway;
+use super::doors::neighbourhood::Neighbourhood;
 use super::layout::clearance::Clearance;
 use super::layout::extent::GROUND_MARGIN_M;
 use super::layout::features::{Feature, TreeRow};
@@ -24,6 +25,8 @@ pub(super) struct Inputs<'a> {
     pub quays: Vec<Segment>,
     /// In the order of buildings and their entrances.
     pub doorways: Vec<Doorway>,
+    /// What plates depend on beyond their doors.
+    pub neighbourhood: Neighbourhood,
     /// Every road's segments.
     pub lanes: Lanes,
     /// Around the buildings.

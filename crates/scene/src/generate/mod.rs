@@ -21,6 +21,7 @@
 //! |---|---|
 //! | `options`, `error`, `builtin` | settings; why there is no world; the worlds of the crate |
 //! | `inputs`, `output` | what generators read, and what they build |
+//! | `hung` | plates and signs on walls, poles and cars |
 //! | `seeds` | streams of random numbers |
 //! | `layout` | where things are: extent, roads by place, free ground, the start |
 //! | `materials`, `shapes` | materials and textures; boxes, bands, outlines |
@@ -38,6 +39,7 @@ mod error;
 mod furniture;
 mod greenery;
 mod ground;
+mod hung;
 mod inputs;
 mod layout;
 mod materials;
@@ -52,14 +54,15 @@ use openbench_core::{Georeference, MapPoint, Pose2};
 use openbench_geometry::Segment;
 use openbench_osm::{OsmData, OsmMap, renumbered, without_doors};
 
-pub use builtin::{builtin, builtin_georeference, builtin_names};
+pub use builtin::{builtin, builtin_georeference, builtin_names, builtin_with};
 pub use error::GenerateError;
-pub use options::GenerateOptions;
+pub use options::{GenerateOptions, PlateOptions};
 pub use streets::car::car_figure;
 
 use crate::scene::SceneBuilder;
 use crate::world::{MAX_FROM_ORIGIN_M, World};
 use doors::entrances;
+use doors::neighbourhood::Neighbourhood;
 use inputs::Inputs;
 use layout::extent::{GROUND_MARGIN_M, extent_of};
 use layout::lanes::Lanes;
@@ -90,7 +93,7 @@ const FIXED: [fn(&Inputs, &mut Output); 10] = [
 
 /// Things that give way to what the map keeps free and to objects that were placed before; in this
 /// order. Mapped things come first: what the seed adds gives way to them.
-const PLACED: [fn(&Inputs, &mut Occupied, &mut Output); 9] = [
+const PLACED: [fn(&Inputs, &mut Occupied, &mut Output); 10] = [
     furniture::mapped::build,
     greenery::mapped_trees::build,
     greenery::tree_rows::build,
@@ -100,6 +103,8 @@ const PLACED: [fn(&Inputs, &mut Occupied, &mut Output); 9] = [
     greenery::shrubs::build,
     greenery::backdrop::build,
     greenery::planting::build,
+    // Last, so that no other thing moves where a world gets signs.
+    furniture::signs::build,
 ];
 
 /// Generates a world of a map: scene, doors, public map without doors, start.
@@ -224,6 +229,7 @@ fn generate_within(
     keep_free::add_start(&mut clearance, start.point());
     let mut scene = SceneBuilder::new();
     let inputs = Inputs {
+        neighbourhood: Neighbourhood::of(&map, &doorways),
         features: features::features(data, &map),
         tree_rows: features::tree_rows(data, &map),
         palette: Palette::new(&mut scene, seed),
@@ -257,6 +263,7 @@ fn generate_within(
         georeference,
         start,
         attribution: options.attribution.clone(),
+        plates: finished.plates.filter(|_| options.plates.shares.real),
         warnings: finished.warnings,
     })
 }

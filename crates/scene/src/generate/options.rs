@@ -2,6 +2,8 @@
 
 use openbench_core::Pose2;
 
+use crate::plates::StreetPlates;
+
 /// What a map leaves open.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GenerateOptions {
@@ -16,6 +18,8 @@ pub struct GenerateOptions {
     pub planting: f64,
     /// Whether a building without a mapped entrance gets a door towards the street.
     pub invent_doors: bool,
+    /// What door plates are like.
+    pub plates: PlateOptions,
     /// Licences and authors of the map, copied to the world.
     pub attribution: Vec<String>,
 }
@@ -28,7 +32,19 @@ impl Default for GenerateOptions {
             parked_cars: 0.6,
             planting: 0.5,
             invent_doors: true,
+            plates: PlateOptions::default(),
             attribution: Vec::new(),
         }
     }
+}
+
+/// What door plates are like; by default as in the published worlds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlateOptions {
+    /// Their shares.
+    pub shares: StreetPlates,
+    /// Seed of all that is drawn for them, apart from the world's own: the same streets can get
+    /// other plates. It also decides which typefaces are used, see
+    /// [`TypefaceSet`](crate::plates::TypefaceSet::of_seed).
+    pub seed: u64,
 }

@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::material::MaterialId;
+use super::hung::HungFace;
+use crate::material::{Material, MaterialId, SemanticClass};
 use crate::plate::plate_material;
+use crate::plates::{Design, DrawnPlates, Line, Wear, draw_face};
 use crate::scene::{Scene, SceneBuilder};
 
 /// Number of visible triangles that a world may have. One takes about 150 bytes of memory, with
@@ -32,6 +34,10 @@ pub(super) struct Output {
     pub warnings: Vec<String>,
     /// Materials of plates by text.
     plates: BTreeMap<String, MaterialId>,
+    /// Faces of plates as in streets, by all that they show.
+    street_faces: BTreeMap<String, HungFace>,
+    /// What was drawn of those.
+    pub drawn_plates: DrawnPlates,
     limits: Limits,
     /// Buildings and streets beyond the limit.
     left_out: usize,
@@ -40,6 +46,8 @@ pub(super) struct Output {
 /// A finished scene.
 pub(super) struct Finished {
     pub scene: Scene,
+    /// The plates that were drawn as in streets.
+    pub plates: Option<DrawnPlates>,
     /// Descriptions of what had to be left out.
     pub warnings: Vec<String>,
 }
@@ -50,6 +58,8 @@ impl Output {
             scene,
             warnings,
             plates: BTreeMap::new(),
+            street_faces: BTreeMap::new(),
+            drawn_plates: DrawnPlates::default(),
             limits,
             left_out: 0,
         }
@@ -83,6 +93,37 @@ impl Output {
         face
     }
 
+    /// A plate as in streets; plates that show the same share an image.
+    pub fn street_face(
+        &mut self,
+        design: &Design,
+        lines: &[Line],
+        names: &[&str],
+        wear: Wear,
+    ) -> HungFace {
+        let key = format!("{design:?} {lines:?} {names:?} {wear:?}");
+        if let Some(face) = self.street_faces.get(&key) {
+            return *face;
+        }
+        let drawn = draw_face(design, lines, names, wear);
+        let texture = self.scene.texture(drawn.texture);
+        let mut material = Material::plain(SemanticClass::Plate, [1.0; 3]).with_texture(texture);
+        material.cutout = drawn.has_holes;
+        let face = HungFace {
+            material: self.scene.material(material),
+            edge: self
+                .scene
+                .material(Material::plain(SemanticClass::Plate, [0.3; 3])),
+            size: drawn.size,
+            text: drawn.text,
+            text_above_m: drawn.text_above_m,
+            has_holes: drawn.has_holes,
+            thickness_m: design.make.thickness_m(),
+        };
+        self.street_faces.insert(key, face);
+        face
+    }
+
     /// The scene, with warnings if it was too large.
     pub fn finish(mut self) -> Finished {
         if self.is_full() {
@@ -101,6 +142,7 @@ impl Output {
         }
         Finished {
             scene: self.scene.build(),
+            plates: Some(self.drawn_plates),
             warnings: self.warnings,
         }
     }

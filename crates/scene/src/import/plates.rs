@@ -12,7 +12,7 @@ use openbench_osm::OsmMap;
 use super::sdf::{Geometry, Model};
 use super::search::model_of;
 use super::warnings::Warnings;
-use crate::plate::{hang_plate, plate_material};
+use crate::plate::{USUAL_LETTERING, hang_plate, plate_material};
 use crate::world::MAX_FROM_ORIGIN_M;
 use crate::{Door, SceneBuilder, SemanticClass};
 
@@ -154,6 +154,7 @@ pub(crate) fn add_doors(
             text,
             plate: at,
             facing: plate.facing(),
+            lettering: USUAL_LETTERING,
             doorway: None,
         });
     }

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `level` | conditions by name, or by numbers |
 //! | `map` | `[map]`: how wrong the public map is |
+//! | `plates` | `[plates]`: what door plates are like |
 //! | `start` | `[start]`: how well an agent knows where it starts |
 //! | `robot` | `[robot]`: how far the robot differs from its description |
 //! | `camera` | `[camera]`: what is wrong with the camera |
@@ -19,10 +20,12 @@ mod compute;
 mod level;
 mod light;
 mod map;
+mod plates;
 mod robot;
 mod start;
 
 use openbench_osm::disturb::MapErrors;
+use openbench_scene::plates::StreetPlates;
 use openbench_sim::CameraErrors;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -124,6 +127,8 @@ conditions! {
         camera: CameraErrors,
         /// The hour of day, clouds, lamps.
         light: LightLevel,
+        /// What door plates are like, and other text.
+        plates: StreetPlates,
         /// Whether computing takes simulated time.
         compute: Compute,
     }

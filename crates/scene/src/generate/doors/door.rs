@@ -5,13 +5,14 @@ use openbench_geometry::Segment;
 use rand_pcg::Pcg64Mcg;
 
 use super::doorway::{Doorway, LEAF_WIDTH_M};
+use super::street_plate;
 use crate::generate::buildings::house::House;
 use crate::generate::inputs::Inputs;
 use crate::generate::output::Output;
 use crate::generate::seeds::{chance, pick};
 use crate::generate::shapes::{Block, Surface, cuboid, panel};
 use crate::material::SemanticClass;
-use crate::plate::{hang_plate, plate_pose};
+use crate::plate::{USUAL_LETTERING, hang_plate, plate_pose};
 use crate::scene::{Door, Layer, SceneBuilder};
 
 /// Height of a door leaf, metres.
@@ -103,7 +104,11 @@ pub(crate) fn build(
         [0.03, side - 0.05, 2.0],
         [0.12, side + 0.05, 2.2],
     );
-    plate(out, door);
+    if inputs.options.plates.shares.real {
+        street_plate::hang(inputs, out, house, door);
+    } else {
+        plate(out, door);
+    }
 }
 
 fn frame(scene: &mut SceneBuilder, surface: Surface, pose: Pose2) {
@@ -144,6 +149,7 @@ fn plate(out: &mut Output, door: &Doorway) {
         text: door.text.clone(),
         plate: [middle.x, middle.y, height],
         facing: door.facing,
+        lettering: USUAL_LETTERING,
         doorway: Some(pose),
     });
 }

@@ -6,8 +6,12 @@
 //! | `entrances` | places of the doors |
 //! | `naming` | names of their buildings |
 //! | `door` | builds one door with its plate |
+//! | `street_plate` | plates as in streets |
+//! | `neighbourhood` | what those depend on beyond the door |
 
 pub(super) mod door;
 pub(super) mod doorway;
 pub(super) mod entrances;
 pub(super) mod naming;
+pub(super) mod neighbourhood;
+pub(super) mod street_plate;

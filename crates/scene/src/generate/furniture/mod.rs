@@ -7,3 +7,4 @@
 
 pub(super) mod bins;
 pub(super) mod mapped;
+pub(super) mod signs;

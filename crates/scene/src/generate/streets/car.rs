@@ -197,6 +197,19 @@ pub fn car_figure(look: u32) -> Scene {
 }
 
 impl Car {
+    /// Where the car ends behind and in front at a height, metres from its middle.
+    pub fn ends(&self, up: f64) -> [f64; 2] {
+        let outline = self.shape.outline;
+        let crossings = (0..outline.len()).filter_map(|i| {
+            let (p, q) = (outline[i], outline[(i + 1) % outline.len()]);
+            let crosses = (p.up <= up) != (q.up <= up);
+            crosses.then(|| p.forward + (q.forward - p.forward) * (up - p.up) / (q.up - p.up))
+        });
+        crossings.fold([0.0, 0.0], |[back, front], at| {
+            [back.min(at), front.max(at)]
+        })
+    }
+
     /// Builds the car on a pose.
     pub fn build(&self, scene: &mut SceneBuilder, pose: Pose2) {
         let shape = self.shape;

@@ -3,12 +3,13 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use nalgebra::Point3;
 use openbench_core::Pose2;
 use openbench_geometry::{Polygon, Segment, segments};
-use openbench_osm::{Road, Tags};
+use openbench_osm::{Road, Tags, draws};
 use rand_pcg::Pcg64Mcg;
 
-use super::car::{self, HALF_LENGTH_M, HALF_WIDTH_M};
+use super::car::{self, Car, HALF_LENGTH_M, HALF_WIDTH_M};
 use super::profile::profile;
 use super::stripes;
 use crate::generate::inputs::Inputs;
@@ -20,6 +21,7 @@ use crate::generate::layout::occupied::Occupied;
 use crate::generate::output::Output;
 use crate::generate::seeds::{Purpose, chance, element_number, stream};
 use crate::material::SemanticClass;
+use crate::plates::{SignKind, TypefaceSet, Wear, draw_sign};
 
 /// Length of a place along the kerb, metres.
 const KERB_PLACE_M: f64 = 6.0;
@@ -39,6 +41,10 @@ const PLACE_LENGTH_M: f64 = 5.0;
 const AISLE_M: f64 = 6.0;
 /// Depth of a car park at most, metres.
 const DEEPEST_M: f64 = 500.0;
+/// Stream of random numbers of number plates.
+const NUMBER_PLATE_STREAM: u64 = 104;
+/// Height of the middle of number plates, metres.
+const NUMBER_PLATE_M: f64 = 0.45;
 /// What no parked car may stand on or touch.
 const IN_THE_WAY: Kinds = PATH | DOOR | OBJECT | START | BARRIER | BUILDING;
 
@@ -162,8 +168,37 @@ impl Parking<'_, '_> {
         let wanted = taken && near && !self.out.is_full();
         if wanted && self.occupied.is_free(axis, HALF_WIDTH_M + 0.02, kinds) {
             self.out.scene.begin_object("car", SemanticClass::Vehicle);
-            car::draw(&self.inputs.palette, rng).build(&mut self.out.scene, pose);
+            let car = car::draw(&self.inputs.palette, rng);
+            car.build(&mut self.out.scene, pose);
+            self.number_plates(&car, pose);
             self.occupied.add(axis, HALF_WIDTH_M);
+        }
+    }
+}
+
+impl Parking<'_, '_> {
+    /// The number plates of a car, in worlds with plates as in streets.
+    fn number_plates(&mut self, car: &Car, pose: Pose2) {
+        let plates = &self.inputs.options.plates;
+        if !plates.shares.real || plates.shares.signs <= 0.0 {
+            return;
+        }
+        // By its place: other cars do not change it.
+        let place = pose.x.to_bits() ^ pose.y.to_bits().rotate_left(32);
+        let draws = &mut draws::stream(plates.seed, NUMBER_PLATE_STREAM, place);
+        let language = self.inputs.neighbourhood.language();
+        let set = TypefaceSet::of_seed(plates.seed);
+        let sign = draw_sign(SignKind::Car, language, "", draws, set);
+        let face = self
+            .out
+            .street_face(&sign.design, &sign.lines, &[], Wear::default());
+        let [back, front] = car.ends(NUMBER_PLATE_M);
+        for (end, yaw) in [(front, pose.yaw), (back, pose.yaw + PI)] {
+            let at = pose.transform(end, 0.0);
+            let outward = Pose2::new(at.x, at.y, yaw);
+            let middle = Point3::new(0.01, 0.0, NUMBER_PLATE_M);
+            face.hang(&mut self.out.scene, outward, middle, 0.0);
+            self.out.drawn_plates.signs += 1;
         }
     }
 }
