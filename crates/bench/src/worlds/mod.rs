@@ -9,7 +9,7 @@
 //! | `recipe` | [`Recipe`]: sources and parameters of a world |
 //! | `public_map` | [`OnMap`]: the map that agents get, and how it differs from the world |
 //! | [`hashes`] | [`Hashes`]: what a run was made in |
-//! | `places` | real places whose maps the crate carries |
+//! | `places` | real places whose maps the crate carries; [`split_of`] |
 //! | `neighbourhoods` | [`neighbourhood_suite`]: suites of drawn neighbourhoods |
 //! | `named` | [`suite_named`], [`suite_of_seed`]: the suite that a user names |
 //! | `surroundings` | [`surroundings()`]: what a robot's sensors meet |
@@ -33,6 +33,7 @@ pub use hashes::Hashes;
 pub use load::{load, load_with};
 pub use named::{is_drawn_by_seed, is_name, source_named, suite_named, suite_of_seed};
 pub use neighbourhoods::neighbourhood_suite;
+pub use places::split_of;
 pub use prepared::{Prepared, PreparedEpisode};
 pub use public_map::{DrawnMap, OnMap};
 pub use recipe::Recipe;

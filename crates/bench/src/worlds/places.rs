@@ -6,6 +6,7 @@ use openbench_scene::World;
 use openbench_scene::generate::{GenerateOptions, PlateOptions, generate};
 
 use crate::BenchError;
+use crate::suite::WorldSource;
 use crate::suite::split::Split;
 
 /// A square of a few streets.
@@ -69,6 +70,28 @@ impl Place {
             ..GenerateOptions::default()
         };
         generate(&data, georeference, seed, &options).map_err(BenchError::world)
+    }
+}
+
+/// What a world may be used for; `None` for worlds from files, which nobody has assigned.
+///
+/// ```
+/// use openbench_bench::WorldSource;
+/// use openbench_bench::suite::split::Split;
+/// use openbench_bench::worlds::split_of;
+///
+/// let monaco = WorldSource::Builtin { name: "monaco".into(), seed: 1 };
+/// assert_eq!(split_of(&monaco), Some(Split::Test));
+/// let drawn = WorldSource::Drawn { kind: "medium".into(), seed: 10_007 };
+/// assert_eq!(split_of(&drawn), Some(Split::Validation));
+/// ```
+pub fn split_of(world: &WorldSource) -> Option<Split> {
+    match world {
+        WorldSource::Builtin { name, .. } => {
+            Some(Place::named(name).map_or(Split::Train, |place| place.split))
+        }
+        WorldSource::Drawn { seed, .. } => Split::of_seed(*seed),
+        WorldSource::Imported { .. } | WorldSource::Folder { .. } => None,
     }
 }
 
