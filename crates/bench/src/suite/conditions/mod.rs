@@ -12,16 +12,21 @@
 //! | `robot` | `[robot]`: how far the robot differs from its description |
 //! | `camera` | `[camera]`: what is wrong with the camera |
 //! | `light` | `[light]`: the hour of day, clouds, lamps |
+//! | `weather` | `[weather]`: rain, fog, wet ground |
+//! | `lidar` | `[lidar]`: edges, panes and mirrors |
 
 mod camera;
 mod level;
+mod lidar;
 mod light;
 mod map;
 mod robot;
 mod start;
+mod weather;
 
 use openbench_osm::disturb::MapErrors;
-use openbench_sim::CameraErrors;
+use openbench_sim::lidar::BeamErrors;
+use openbench_sim::{CameraErrors, Weather};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -82,12 +87,27 @@ pub struct Conditions {
         skip_serializing_if = "Condition::is_off"
     )]
     pub light: LightLevel,
+    /// Rain, fog, wet ground.
+    #[serde(
+        serialize_with = "level::serialize",
+        deserialize_with = "level::deserialize",
+        skip_serializing_if = "Condition::is_off"
+    )]
+    pub weather: Weather,
+    /// What is wrong with the LiDAR's returns.
+    #[serde(
+        serialize_with = "level::serialize",
+        deserialize_with = "level::deserialize",
+        skip_serializing_if = "Condition::is_off"
+    )]
+    pub lidar: BeamErrors,
 }
 
 impl Conditions {
     /// Whether nothing is harder than in the paper.
     pub fn are_off(&self) -> bool {
-        let is_sensed = !(self.camera.is_off() && self.light.is_off());
+        let is_clear = self.light.is_off() && self.weather.is_off();
+        let is_sensed = !(self.camera.is_off() && self.lidar.is_off() && is_clear);
         self.map.is_off() && self.start.is_off() && self.robot.is_off() && !is_sensed
     }
 
@@ -98,7 +118,9 @@ impl Conditions {
         let start = level::words(&self.start);
         let robot = level::words(&self.robot);
         let camera = level::words(&self.camera);
-        [map, start, robot, camera, level::words(&self.light)].concat()
+        let (light, weather) = (level::words(&self.light), level::words(&self.weather));
+        let lidar = level::words(&self.lidar);
+        [map, start, robot, camera, light, weather, lidar].concat()
     }
 
     /// The names of a condition's levels; the first one is off.
@@ -112,6 +134,8 @@ impl Conditions {
             RobotErrors::KEY => Ok(names::<RobotErrors>()),
             CameraErrors::KEY => Ok(names::<CameraErrors>()),
             LightLevel::KEY => Ok(names::<LightLevel>()),
+            Weather::KEY => Ok(names::<Weather>()),
+            BeamErrors::KEY => Ok(names::<BeamErrors>()),
             _ => Err(unknown(key)),
         }
     }
@@ -131,6 +155,8 @@ impl Conditions {
             RobotErrors::KEY => set(&mut self.robot, number, value),
             CameraErrors::KEY => set(&mut self.camera, number, value),
             LightLevel::KEY => set(&mut self.light, number, value),
+            Weather::KEY => set(&mut self.weather, number, value),
+            BeamErrors::KEY => set(&mut self.lidar, number, value),
             _ => Err(unknown(key)),
         }
     }
@@ -148,12 +174,14 @@ fn names<C: Condition>() -> Vec<&'static str> {
 }
 
 /// The conditions by name.
-const NAMES: [&str; 5] = [
+const NAMES: [&str; 7] = [
     MapErrors::KEY,
     StartErrors::KEY,
     RobotErrors::KEY,
     CameraErrors::KEY,
     LightLevel::KEY,
+    Weather::KEY,
+    BeamErrors::KEY,
 ];
 
 fn set<C: Condition>(
@@ -253,6 +281,15 @@ mod tests {
                 "readout_ms = -1: give a number from 0 to 50",
             ),
             ("[camera]\ndrops = -1", "invalid value"),
+            ("weather = \"snow\"", "write one of dry, wet, rain, fog"),
+            (
+                "[weather]\nrain_mm_h = -2",
+                "rain_mm_h = -2: give a number from 0 to 200",
+            ),
+            (
+                "[lidar]\nglass = 1.5",
+                "glass = 1.5: give a number from 0 to 1",
+            ),
             ("light = \"dawn\"", "write one of noon, day, overcast, dusk"),
             (
                 "[light]\nclouds = 2",
