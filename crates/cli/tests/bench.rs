@@ -13,6 +13,7 @@ fn the_simulators_speed_is_measured_and_dumped_for_peers() {
         .json();
     for field in [
         "lidar_mrays_per_core_second",
+        "real_lidar_mrays_per_core_second",
         "cast_mrays_per_core_second",
         "camera_fps_per_core",
         "camera_day_fps_per_core",

@@ -24,9 +24,10 @@ const TWILIGHT_PER_DEGREE: f64 = 0.37;
 const NIGHT: f64 = 3e-6;
 /// Light under clouds, relative to that of a high sun alone.
 const UNDER_CLOUDS: f64 = 0.22;
-/// Tints of the sky's light by day, in twilight and at night.
+/// Tints of the sky's light by day, in twilight, then at the horizon, and at night.
 const DAY_TINT: [f64; 3] = [0.93, 1.0, 1.12];
 const TWILIGHT_TINT: [f64; 3] = [0.78, 0.95, 1.30];
+const HORIZON_TINT: [f64; 3] = [1.5, 1.05, 0.70];
 const NIGHT_TINT: [f64; 3] = [1.25, 1.0, 0.75];
 /// A street lamp gives 20 lx on the ground 5 m below: 500 lx at a metre, of 100,000.
 const STREET_LAMP: [f32; 3] = [6.0e-3, 4.6e-3, 2.8e-3];
@@ -110,14 +111,15 @@ impl Daylight {
             let sky = from_sky * clear * level * tint[channel] + ambient * clouds + night;
             light.ambient[channel] = sky as f32;
             let overcast = clouds * ambient;
-            let root = |clear_root: f32, share: f64, night: f64| {
+            let root = |clear_root: f32, tint: f64, share: f64, night: f64| {
                 let full = f64::from(clear_root) / 255.0;
-                let blue = clear * level * full * full * self.twilight_tint(channel);
+                let blue = clear * level * full * full * self.in_twilight(tint);
                 (255.0 * (blue + share * overcast + night).sqrt()) as f32
             };
             // The mean over the sky is that of the light on the ground.
-            light.horizon[channel] = root(light.horizon[channel], 3.0 / 7.0, night);
-            light.zenith[channel] = root(light.zenith[channel], 9.0 / 7.0, 0.4 * night);
+            let [low, high] = [HORIZON_TINT[channel], TWILIGHT_TINT[channel]];
+            light.horizon[channel] = root(light.horizon[channel], low, 3.0 / 7.0, night);
+            light.zenith[channel] = root(light.zenith[channel], high, 9.0 / 7.0, 0.4 * night);
         }
         self.add_glow(&mut light, clear * level);
         if self.lamps {
@@ -181,9 +183,9 @@ impl Daylight {
         std::array::from_fn(|c| DAY_TINT[c] + low * (TWILIGHT_TINT[c] - DAY_TINT[c]))
     }
 
-    /// The sky itself turns bluer as the sun sets.
-    fn twilight_tint(&self, channel: usize) -> f64 {
-        1.0 + self.lowness() * (TWILIGHT_TINT[channel] - 1.0)
+    /// A factor on the sky's light that is reached as the sun sets.
+    fn in_twilight(&self, tint: f64) -> f64 {
+        1.0 + self.lowness() * (tint - 1.0)
     }
 
     /// The bright sky around a low sun: orange; around a high one: white.

@@ -10,7 +10,8 @@
 //! | `defects` | [`Defects`]: how a robot differs from its description |
 //! | `imu`, `encoders` | inertial measurement unit and wheel encoders |
 //! | `camera`, `exposure` | the robot's camera and its automatic exposure |
-//! | `surroundings` | [`Surroundings`]: faults of the camera, and the light |
+//! | `surroundings` | [`Surroundings`]: faults of camera and LiDAR, light and weather |
+//! | `weather` | [`Weather`]: rain, fog and wet ground |
 //! | `real_camera`, `optics` | a camera with faults: [`CameraErrors`] |
 //! | `daylight` | [`Daylight`]: the light of any day and hour, and of lamps |
 //! | `gnss` | the satellite receiver of a robot that has one |
@@ -47,6 +48,7 @@ mod solids;
 mod stage;
 mod surroundings;
 pub mod traffic;
+mod weather;
 mod wheels;
 
 pub use clock::OBSERVATION_NS;
@@ -60,3 +62,4 @@ pub use render::{ImageSize, Labels, Renderer, View};
 pub use simulator::Simulator;
 pub use stage::Stage;
 pub use surroundings::Surroundings;
+pub use weather::Weather;

@@ -13,7 +13,8 @@ use crate::daylight::headlight;
 use crate::exposure::LightMeter;
 use crate::optics::{CameraErrors, Exposure, LensBuild};
 use crate::render::{
-    Development, Illumination, Lamp, Lens, Moment, Movement, Renderer, Shot, develop, smear,
+    Development, Illumination, Lamp, Lens, LightPlanes, Moment, Movement, Renderer, Shot, Streaks,
+    develop, rain, smear,
 };
 
 /// Range of the camera, metres.
@@ -32,6 +33,10 @@ const MOMENTS: u64 = 8;
 /// Largest exposures relative to noon's, in powers of two: as without this camera, and in the dark.
 const DAY_STOPS: f64 = 2.0;
 const NIGHT_STOPS: f64 = 10.0;
+/// Streaks in an image in rain of 1 mm/h.
+const STREAKS_AT_1_MM_H: f64 = 120.0;
+/// Streaks are drawn as if a shutter were open for at least as long, seconds.
+const SHORTEST_STREAK_S: f64 = 0.004;
 /// Height of the robot's light above its camera, metres.
 const HEADLIGHT_M: f64 = 0.04;
 
@@ -42,6 +47,8 @@ pub(crate) struct RealCamera {
     lens: Lens,
     small: Lens,
     light: Illumination,
+    /// Rate of the rain, mm/h.
+    rain_mm_h: f64,
     /// Whether the robot has its light on.
     headlight: bool,
     /// Poses of the camera in the last [`PATH_NS`], the latest one last.
@@ -57,6 +64,7 @@ impl RealCamera {
         errors: CameraErrors,
         build: LensBuild,
         light: Illumination,
+        rain_mm_h: f64,
         seed: u64,
     ) -> Self {
         Self {
@@ -66,6 +74,7 @@ impl RealCamera {
             build,
             headlight: light.lamp_glass[0] > 0.0,
             light,
+            rain_mm_h,
             path: VecDeque::new(),
             meter: None,
             metered: None,
@@ -130,6 +139,7 @@ impl RealCamera {
             range: RANGE_M,
         };
         let mut planes = renderer.photograph(&shot, movers);
+        self.rain(&mut planes, time, exposure);
         smear(&mut planes, &self.build.drops);
         develop(
             &planes,
@@ -143,6 +153,22 @@ impl RealCamera {
                 key: key(self.seed, time),
             },
         )
+    }
+
+    fn rain(&self, planes: &mut LightPlanes, time: SimTime, exposure: Exposure) {
+        if self.rain_mm_h <= 0.0 {
+            return;
+        }
+        let streaks = Streaks {
+            // The number of drops in the air grows with a power of the rate (Marshall and Palmer
+            // 1948).
+            count: (STREAKS_AT_1_MM_H * libm::pow(self.rain_mm_h, 0.6)) as u32,
+            seconds: exposure.seconds.max(SHORTEST_STREAK_S) as f32,
+            focal_length: self.lens.focal_length,
+            light: self.light.ambient,
+            key: key(self.seed, time),
+        };
+        rain(planes, streaks);
     }
 
     fn lamps(&self, pose: &Pose3) -> Vec<Lamp> {

@@ -37,6 +37,8 @@ const STANDING_SPEED: f64 = 0.01;
 const IMU_STREAM: u64 = 1;
 const LIDAR_STREAM: u64 = 2;
 const GNSS_STREAM: u64 = 3;
+/// Distinguishes the numbers of the LiDAR's errors from those of the camera.
+const BEAM_STREAM: u64 = 0x5eed_beac;
 
 /// The robot in a world. Time moves only in [`Simulator::step`].
 pub struct Simulator {
@@ -145,6 +147,9 @@ impl Simulator {
             self.camera.replace(camera);
             self.move_camera();
         }
+        let air = surroundings.weather.air();
+        let seed = self.seed ^ BEAM_STREAM;
+        self.lidar = self.lidar.with_errors(surroundings.lidar, air, seed);
         self
     }
 

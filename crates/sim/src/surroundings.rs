@@ -1,12 +1,14 @@
-//! What a robot's sensors meet: faults of the camera, and the light.
+//! What a robot's sensors meet: faults of camera and LiDAR, light and weather.
 
 use openbench_core::{CameraIntrinsics, MapPoint};
 use openbench_scene::{Finish, RayCaster, SemanticClass, ground_height};
 
 use crate::daylight::{Daylight, LampPlaces};
+use crate::lidar::BeamErrors;
 use crate::optics::{CameraErrors, LensBuild};
 use crate::real_camera::RealCamera;
 use crate::render::Illumination;
+use crate::weather::Weather;
 
 /// Height of a street lamp that the map does not have, metres.
 const LAMP_HEIGHT_M: f64 = 5.5;
@@ -22,6 +24,10 @@ pub struct Surroundings {
     pub light: Option<Daylight>,
     /// Street lamps besides those of the scene.
     pub street_lamps: Vec<MapPoint>,
+    /// Rain, fog, wet ground.
+    pub weather: Weather,
+    /// What is wrong with the LiDAR's beams.
+    pub lidar: BeamErrors,
 }
 
 impl Surroundings {
@@ -32,21 +38,23 @@ impl Surroundings {
         caster: &RayCaster,
         seed: u64,
     ) -> Option<RealCamera> {
-        if self.light.is_none() && self.camera == CameraErrors::PERFECT {
+        let is_dry = self.weather == Weather::DRY;
+        if self.light.is_none() && self.camera == CameraErrors::PERFECT && is_dry {
             return None;
         }
         let (errors, lens) = (self.camera, self.lens.clone());
-        Some(RealCamera::new(
-            optics,
-            errors,
-            lens,
-            self.illumination(caster),
-            seed,
-        ))
+        let (light, rain) = (self.illumination(caster), self.weather.rain_mm_h);
+        Some(RealCamera::new(optics, errors, lens, light, rain, seed))
     }
 
     /// The light on a scene.
-    pub(crate) fn illumination(&self, caster: &RayCaster) -> Illumination {
+    fn illumination(&self, caster: &RayCaster) -> Illumination {
+        let mut light = self.dry_light(caster);
+        self.weather.dim(&mut light);
+        light
+    }
+
+    fn dry_light(&self, caster: &RayCaster) -> Illumination {
         let sun = &caster.scene().sun;
         let Some(light) = self.light else {
             return Illumination::of(sun);

@@ -41,8 +41,8 @@ fn drawn(prepared: &Prepared) -> Option<Defects> {
 
 /// The lens of the camera, if a suite has any drawn.
 fn drawn_lens(prepared: &Prepared) -> Option<LensBuild> {
-    let is_off = prepared.suite.conditions.camera.is_off();
-    (!is_off).then(|| prepared.surroundings.lens.clone())
+    let lens = &prepared.surroundings.lens;
+    (*lens != LensBuild::default()).then(|| lens.clone())
 }
 
 /// A finished run.

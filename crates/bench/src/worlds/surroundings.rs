@@ -36,7 +36,9 @@ pub fn surroundings(world: &World, conditions: &Conditions, seed: u64) -> Surrou
     let is_lit = light.is_some_and(|light| light.lamps);
     Surroundings {
         camera: conditions.camera,
-        lens: draw_lens(&conditions.camera, seed),
+        lens: draw_lens(&conditions.camera, conditions.weather.lens_drops(), seed),
+        weather: conditions.weather,
+        lidar: conditions.lidar,
         light,
         street_lamps: if is_lit {
             street_lamps(&map)

@@ -230,8 +230,8 @@ pub struct ShowArgs {
     /// such as utm:50N,-500000,-4483000
     #[arg(long)]
     pub georef: Option<String>,
-    /// What door plates are like: plates=real, or a number, such as plates.hidden=0.5; may be
-    /// repeated
+    /// Show the world under a condition; may be repeated. plates=real changes the world; others,
+    /// such as light=night, need --from, and give the robot's own image of 640 x 480
     #[arg(long = "condition", value_name = "KEY=VALUE", value_parser = key_value)]
     pub conditions: Vec<(String, String)>,
     /// Seed of what conditions draw, as of a run
@@ -261,16 +261,6 @@ pub struct ShowArgs {
     /// Time since these started to move, seconds
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u16).range(0..=3600))]
     pub after: u16,
-    /// Take the robot's own image, 640 x 480, under a condition such as light=night; may be
-    /// repeated
-    #[arg(
-        long = "condition",
-        value_name = "KEY=VALUE",
-        value_parser = key_value,
-        requires = "from",
-        conflicts_with_all = ["depth", "classes", "instances", "no_shadows"]
-    )]
-    pub conditions: Vec<(String, String)>,
     /// The robot's own images at each level of a condition, such as light, side by side: left to
     /// right and down in the order of the levels
     #[arg(
@@ -280,9 +270,6 @@ pub struct ShowArgs {
         conflicts_with_all = ["depth", "classes", "instances", "no_shadows"]
     )]
     pub levels: Option<String>,
-    /// Seed of what conditions draw
-    #[arg(long, default_value_t = 0)]
-    pub seed: u64,
     /// File for depths: 16-bit PNG, millimetres along the optical axis; 0 without a hit, 65535 and
     /// beyond as 65535
     #[arg(long, value_name = "FILE")]

@@ -156,6 +156,7 @@ fn table(speed: &SimSpeed) -> String {
     format!(
         "{}, {} triangles, {} people and {} cars, one core\n\
          LiDAR          {:8.2} million rays a second, noise and points included\n\
+         real LiDAR     {:8.2} the same with mixed pixels, panes, ghosts and rain\n\
          casting alone  {:8.2} million rays a second\n\
          camera         {:8.1} images of 640 x 480 a second\n\
          cheap, by day  {:8.1} the same with noise, blur, rolling shutter and shadows\n\
@@ -169,6 +170,7 @@ fn table(speed: &SimSpeed) -> String {
         speed.pedestrians,
         speed.cars,
         speed.lidar_mrays_per_core_second,
+        speed.real_lidar_mrays_per_core_second,
         speed.cast_mrays_per_core_second,
         speed.camera_fps_per_core,
         speed.camera_day_fps_per_core,

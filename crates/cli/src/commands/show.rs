@@ -42,8 +42,8 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
         cars: args.cars.into(),
     };
     let stage = Stage::with_figures(world.scene.clone(), plan)?;
-    let is_robots = args.levels.is_some() || !args.conditions.is_empty();
-    if let Some(pose) = args.from.filter(|_| is_robots) {
+    if args.levels.is_some() || !is_of_world(&conditions) {
+        let pose = pose_of_robot(args)?;
         refuse_outside(&world, pose)?;
         let image = show_conditions::image(args, &world, &stage, pose)?;
         write_picture(&args.out, image, args.quality)?;
@@ -74,6 +74,27 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
         write_labels(args, &renderer.labels(&view, &movers), &world.scene)?;
     }
     report(args, &world)
+}
+
+/// Whether conditions change the world alone, and nothing about how a robot sees it.
+fn is_of_world(conditions: &Conditions) -> bool {
+    let seen = Conditions {
+        plates: Default::default(),
+        ..*conditions
+    };
+    seen.are_off()
+}
+
+/// The pose for an image as the robot takes it.
+fn pose_of_robot(args: &ShowArgs) -> anyhow::Result<Pose2> {
+    let labelled = args.depth.is_some() || args.classes.is_some() || args.instances.is_some();
+    anyhow::ensure!(
+        !labelled,
+        "depths, classes and instances do not depend on light, weather or camera; leave \
+         --condition out"
+    );
+    args.from
+        .context("light, weather and camera show in an image of the robot: add --from X,Y,YAW")
 }
 
 fn report(args: &ShowArgs, world: &World) -> anyhow::Result<Outcome> {

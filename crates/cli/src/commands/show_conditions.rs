@@ -13,6 +13,8 @@ use openbench_sim::{Simulator, Stage};
 
 use crate::args::ShowArgs;
 
+/// The conditions whose levels make images of one world differ.
+const SEEN: [&str; 4] = ["camera", "light", "weather", "robot"];
 /// Images in a row of a sheet.
 const COLUMNS: usize = 2;
 
@@ -32,6 +34,11 @@ pub(super) fn image(
         let image = taken(args, world, stage, pose, &conditions)?;
         return Ok(Arc::unwrap_or_clone(image));
     };
+    anyhow::ensure!(
+        SEEN.contains(&key.as_str()),
+        "--levels {key}: that does not show in an image; there are {}",
+        SEEN.join(", ")
+    );
     let levels = Conditions::levels(key).with_context(|| format!("--levels {key}"))?;
     let mut images = Vec::new();
     for level in levels {

@@ -7,7 +7,9 @@
 //! | `launch` | origins and directions of the rays in the world |
 //! | `order` | the order in which rays are cast |
 //! | `returns` | detection and noise of the returns |
+//! | `beams` | [`BeamErrors`]: edges, panes, mirrors, rain and fog |
 
+mod beams;
 mod launch;
 mod order;
 mod pattern;
@@ -20,11 +22,13 @@ use openbench_scene::bvh::{Kernel, LANES, MISS, PacketHits, widest};
 use openbench_scene::{RayPacket, Snapshot, TriangleBvh};
 
 use crate::noise::Noise;
+use beams::{Beams, Spoiled};
 use launch::Launch;
 use order::CastingOrder;
 use pattern::{FIRING_NS, VOLLEY};
 use returns::{Echo, detection, deviation};
 
+pub use beams::{Air, BeamErrors};
 pub use pattern::{Aim, LINES, Pattern};
 pub use returns::{MAX_RANGE_M, MIN_RANGE_M};
 
@@ -67,6 +71,8 @@ pub struct Lidar {
     launch: Launch,
     order: CastingOrder,
     echoes: Vec<Echo>,
+    /// What is wrong with its returns.
+    beams: Option<Beams>,
 }
 
 impl Lidar {
@@ -80,7 +86,15 @@ impl Lidar {
             launch: Launch::default(),
             order: CastingOrder::new(RAYS_PER_SCAN),
             echoes: vec![Echo::NONE; RAYS_PER_SCAN],
+            beams: None,
         }
+    }
+
+    /// The same sensor with beams that have faults, drawn by a seed, in this air.
+    pub fn with_errors(mut self, errors: BeamErrors, air: Air, seed: u64) -> Self {
+        let is_off = errors == BeamErrors::default() && air == Air::default();
+        self.beams = (!is_off).then(|| Beams::new(errors, air, seed));
+        self
     }
 
     /// The scan that began at `stamp` and ends at the snapshot's instant. `poses` are those of the
@@ -150,12 +164,13 @@ impl Lidar {
                 let rays = self.packet(group);
                 let mut lags = [0.0; LANES];
                 for (lag, ray) in lags.iter_mut().zip(group) {
-                    // Seconds before the scan's end, hence negative. The four rays of a firing get
-                    // slightly different lags; 15 µs move nothing by more than a millimetre.
-                    *lag = *ray as f32 * (FIRING_NS as f32 * 1e-9 / LINES as f32)
-                        - SCAN_NS as f32 * 1e-9;
+                    *lag = lag_of(*ray);
                 }
-                met.note(packet, seen, &rays, &seen.cast_packet(&rays, &lags));
+                let hits = seen.cast_packet(&rays, &lags);
+                met.note(packet, seen, &rays, &hits);
+                if let Some(beams) = &mut self.beams {
+                    beams.note(group, seen, &rays, &hits);
+                }
             }
             // All casts of a block before any return of it: arithmetic over 64 becomes vector
             // instructions.
@@ -168,6 +183,17 @@ impl Lidar {
                     reflectivity: met.reflectivity[i],
                 };
             }
+        }
+        if let Some(beams) = &mut self.beams {
+            let launch = &self.launch;
+            let scan = Spoiled {
+                seen,
+                ray: |number: u32| launch.ray(number as usize),
+                lag: lag_of,
+                // The firings of this scan have been counted already.
+                first: (self.fired - FIRINGS_PER_SCAN) * LINES as u64,
+            };
+            beams.spoil(&scan, &self.order.rays, &mut self.echoes);
         }
     }
 
@@ -204,6 +230,13 @@ impl Lidar {
         }
         points
     }
+}
+
+/// Time of a ray relative to the scan's end, seconds; negative. The four rays of a firing get
+/// slightly different ones; 15 µs move nothing by more than a millimetre.
+#[inline(always)]
+fn lag_of(ray: u32) -> f32 {
+    ray as f32 * (FIRING_NS as f32 * 1e-9 / LINES as f32) - SCAN_NS as f32 * 1e-9
 }
 
 /// A scan.
@@ -321,7 +354,9 @@ impl BlockHits {
 mod tests {
     use super::*;
     use nalgebra::{Point3, UnitQuaternion, Vector3};
-    use openbench_scene::{Layer, Material, Movers, RayCaster, SceneBuilder, SemanticClass};
+    use openbench_scene::{
+        Finish, Layer, Material, Movers, RayCaster, SceneBuilder, SemanticClass,
+    };
     use std::sync::Arc;
 
     fn scan(lidar: &mut Lidar, caster: &RayCaster, poses: &[Pose3]) -> LidarScan {
@@ -400,6 +435,140 @@ mod tests {
             let q = at * Point3::from(p.xyz.map(f64::from));
             assert!((q.x.abs().max(q.y.abs()) - 5.0).abs() < 0.15, "{q}");
         }
+    }
+
+    /// A scan with errors of a room of 5 m with a wall of panes, and of the same without errors.
+    fn scans(errors: BeamErrors, finish: Finish) -> [LidarScan; 2] {
+        let mut builder = SceneBuilder::new();
+        let wall = builder.material(Material::plain(SemanticClass::Wall, [0.5; 3]));
+        let pane = builder.material(Material {
+            finish,
+            ..Material::plain(SemanticClass::Building, [0.5; 3])
+        });
+        let (y, z) = (Vector3::y(), Vector3::z());
+        let mut board = |material, x: f64, width: f64| {
+            let corner = Point3::new(x, -width / 2.0, -2.0);
+            builder.rectangle(
+                Layer::Visible,
+                material,
+                corner,
+                y * width,
+                z * 12.0,
+                [1.0; 2],
+            );
+        };
+        board(pane, 5.0, 30.0);
+        board(wall, -5.0, 30.0);
+        // A post whose edges are 1 m before the wall behind it.
+        board(wall, -4.0, 0.4);
+        let caster = RayCaster::new(Arc::new(builder.build()));
+        let poses = [Pose3::identity(); 2];
+        [errors, BeamErrors::default()].map(|errors| {
+            let mut lidar = Lidar::new(Noise::new(1, 1)).with_errors(errors, Air::default(), 3);
+            scan(&mut lidar, &caster, &poses)
+        })
+    }
+
+    #[test]
+    fn beams_on_edges_report_ranges_between_the_two_surfaces() {
+        let errors = BeamErrors {
+            beam_mrad: 6.0,
+            ..BeamErrors::default()
+        };
+        let between = |scan: &LidarScan| {
+            let is_between = |p: &&LidarPoint| (-4.8..-4.2).contains(&p.xyz[0]);
+            scan.points.iter().filter(is_between).count()
+        };
+        let [real, ideal] = scans(errors, Finish::Matt);
+        assert_eq!(between(&ideal), 0);
+        assert!(between(&real) > 0);
+        assert_eq!(real.points.len(), ideal.points.len());
+    }
+
+    #[test]
+    fn panes_return_beams_along_their_normal_and_lose_most_others() {
+        let errors = BeamErrors {
+            glass: 0.9,
+            ghosts: 0.0,
+            ..BeamErrors::default()
+        };
+        let [real, ideal] = scans(errors, Finish::Glass);
+        let count = |scan: &LidarScan, side: f32| {
+            let aside = |p: &LidarPoint| (p.xyz[1] / p.xyz[0]).abs();
+            let on_pane = |p: &&LidarPoint| p.xyz[0] > 4.0 && aside(p) >= side;
+            scan.points.iter().filter(on_pane).count() as f64
+        };
+        let lost = 1.0 - count(&real, 0.3) / count(&ideal, 0.3);
+        assert!((0.85..0.95).contains(&lost), "{lost}");
+        assert!(count(&real, 0.0) - count(&real, 0.1) > 0.0);
+        // Nothing else changes.
+        let rest = |scan: &LidarScan| {
+            let behind = scan.points.iter().filter(|p| p.xyz[0] < 0.0);
+            behind.copied().collect::<Vec<_>>()
+        };
+        assert_eq!(rest(&real), rest(&ideal));
+    }
+
+    #[test]
+    fn panes_show_what_they_mirror_as_far_behind_them() {
+        let errors = BeamErrors {
+            glass: 1.0,
+            ghosts: 1.0,
+            ..BeamErrors::default()
+        };
+        let [real, _] = scans(errors, Finish::Glass);
+        // The wall 10 m before the pane seems to be 10 m behind it.
+        let behind = |p: &&LidarPoint| (14.5..15.5).contains(&p.xyz[0]);
+        assert!(real.points.iter().filter(behind).count() > 50);
+    }
+
+    #[test]
+    fn rain_returns_near_drops_and_fog_takes_far_walls() {
+        let air = Air {
+            extinction: 0.0,
+            drops: 0.05,
+        };
+        let caster = room(20.0);
+        let poses = [Pose3::identity(); 2];
+        let in_air = |air| {
+            let lidar = Lidar::new(Noise::new(1, 1));
+            let mut lidar = lidar.with_errors(BeamErrors::default(), air, 3);
+            scan(&mut lidar, &caster, &poses)
+        };
+        let range = |p: &&LidarPoint| p.xyz.iter().map(|c| c * c).sum::<f32>().sqrt();
+        let near = |scan: &LidarScan| scan.points.iter().filter(|p| range(p) < 10.0).count();
+        assert_eq!(near(&in_air(Air::default())), 0);
+        let drops = near(&in_air(air)) as f64 / RAYS_PER_SCAN as f64;
+        assert!((0.04..0.06).contains(&drops), "{drops}");
+        let fog = Air {
+            extinction: 0.1,
+            drops: 0.0,
+        };
+        assert!(in_air(fog).points.len() < RAYS_PER_SCAN / 5);
+    }
+
+    #[test]
+    fn errors_do_not_depend_on_the_scans_and_firings_that_are_left_out() {
+        let caster = room(5.0);
+        let poses = [Pose3::identity(); 2];
+        let errors = BeamErrors {
+            beam_mrad: 5.0,
+            glass: 0.5,
+            ghosts: 0.5,
+        };
+        let air = Air {
+            extinction: 0.01,
+            drops: 0.03,
+        };
+        let lidar = || Lidar::new(Noise::new(1, 1)).with_errors(errors, air, 3);
+        let (mut all, mut second) = (lidar(), lidar());
+        scan(&mut all, &caster, &poses);
+        second.skip();
+        let mut expected = scan(&mut all, &caster, &poses);
+        let one_in = NonZeroU32::new(7).unwrap();
+        let is_cast = |point: &LidarPoint| is_of_one_firing_in(point, one_in);
+        expected.points.retain(is_cast);
+        assert_eq!(strided_scan(&mut second, &caster, &poses, 7), expected);
     }
 
     #[test]

@@ -39,6 +39,10 @@ pub(crate) struct Illumination {
     pub(crate) lit_windows: f32,
     /// Light from lit windows, by channel.
     pub(crate) window: [f32; 3],
+    /// Share of the light that is lost on each metre through the air, for short ways.
+    pub(crate) extinction: f32,
+    /// How far wet roads and pavements are mirrors, 0 to 1.
+    pub(crate) wetness: f32,
 }
 
 /// A lamp.
@@ -71,6 +75,8 @@ impl Illumination {
             lamp_glass: [0.0; 3],
             lit_windows: 0.0,
             window: [0.0; 3],
+            extinction: 0.0,
+            wetness: 0.0,
         }
     }
 

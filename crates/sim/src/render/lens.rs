@@ -11,7 +11,7 @@ use super::view::ImageSize;
 pub(crate) struct Lens {
     pub(super) size: ImageSize,
     /// Pixels for a distance of 1 m at 1 m.
-    pub(super) focal_length: f32,
+    pub(crate) focal_length: f32,
     /// Corners in a row.
     columns: usize,
     /// To the left and up, row by row.

@@ -13,6 +13,7 @@
 //! | `photo` | the light of a picture, row by row as a shutter rolls |
 //! | `planes` | that light |
 //! | `drops` | drops on the lens |
+//! | `rain` | streaks of rain |
 //! | `develop` | from that light to bytes: motion blur, noise, the tone curve |
 //! | `texture` | textures at full, half, quarter … size |
 
@@ -25,6 +26,7 @@ mod lens;
 mod photo;
 mod planes;
 mod radiance;
+mod rain;
 mod shade;
 mod shadows;
 mod texture;
@@ -46,6 +48,7 @@ pub(crate) use illumination::{Illumination, Lamp};
 pub(crate) use lens::Lens;
 pub(crate) use photo::{Moment, Shot};
 pub(crate) use planes::LightPlanes;
+pub(crate) use rain::{Streaks, rain};
 pub use view::{ImageSize, View};
 
 /// What each pixel of a view shows, for training and scoring. Pixels are in rows from the top.

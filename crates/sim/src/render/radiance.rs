@@ -7,6 +7,11 @@ use super::block::{BLOCK, Block, PACKETS};
 use super::illumination::{Faces, Illumination, Lamp, add_lamps};
 use super::shade::{Glow, Look, Shader, Surfaces};
 
+/// Share of its own light that wet stone loses.
+const WET_DARKENING: f32 = 0.55;
+/// Share of the mirrored light that a rough, wet road keeps together.
+const MIRROR: f32 = 0.5;
+
 /// A scene under a light.
 #[derive(Clone, Copy)]
 pub(super) struct Lit<'a> {
@@ -78,7 +83,10 @@ impl Shader {
                 0.15
             };
             texels[i] = distance[i] * lit.look.pixel_angle / slant * surfaces.density[i];
-            haze[i] = distance[i] / (distance[i] + lit.look.haze);
+            // What air leaves of the light, by the series of the exponential function.
+            let way = lit.light.extinction * distance[i];
+            let series = 1.0 + way * (1.0 + way * (0.5 + way * (1.0 / 6.0 + way / 24.0)));
+            haze[i] = 1.0 - lit.look.haze / ((distance[i] + lit.look.haze) * series);
         }
         for (axis, along) in directions.iter().enumerate() {
             for i in 0..BLOCK {
@@ -91,6 +99,7 @@ impl Shader {
         let light = falling(lit, &faces, sight.sunlit);
         let glow = self.glow(lit, sight.hits);
         let texture = self.texels(surfaces, &texels);
+        let water = self.water(lit, sight, length, &faces, &facing);
         for channel in 0..3 {
             let horizon = lit.light.horizon[channel];
             for i in 0..BLOCK {
@@ -101,12 +110,59 @@ impl Shader {
                 let clear = 1.0 - share * share;
                 let clear = if clear > 0.0 { clear } else { 0.0 };
                 let sent = share * share * light[channel][i] + clear * glow.behind[channel][i];
+                // Wet stone is darker, and mirrors the sky.
+                let sent = sent * (1.0 - WET_DARKENING * water.depth[i]);
+                let sent = sent + water.share[i] * (water.sky[channel][i] - sent);
                 let near = 255.0 * (sent + glow.own[channel][i]).sqrt();
                 let far = near + haze[i] * (horizon - near);
                 let sky = colors[channel][i];
                 colors[channel][i] = if surfaces.hit[i] { far } else { sky };
             }
         }
+    }
+
+    /// The water on paved ground, which mirrors the sky: after Fresnel, in Schlick's form (1994).
+    /// Houses are not mirrored.
+    #[inline(always)]
+    fn water(
+        &self,
+        lit: Lit<'_>,
+        sight: Sight<'_>,
+        length: &Block,
+        faces: &Faces,
+        facing: &Block,
+    ) -> Water {
+        let mut water = Water {
+            depth: [0.0; BLOCK],
+            share: [0.0; BLOCK],
+            sky: [[0.0; BLOCK]; 3],
+        };
+        if lit.light.wetness <= 0.0 {
+            return water;
+        }
+        for i in 0..BLOCK {
+            let triangle = sight.hits[i / LANES].triangle[i % LANES];
+            let is_level = faces.normal[2][i] > 0.7;
+            if triangle != MISS && is_level && self.is_paved(triangle) {
+                water.depth[i] = lit.light.wetness;
+            }
+        }
+        let mut upwards = *sight.directions;
+        for i in 0..BLOCK {
+            upwards[2][i] = -upwards[2][i];
+            let graze = 1.0 - facing[i].abs();
+            let square = graze * graze;
+            let fresnel = 0.02 + 0.98 * square * square * graze;
+            water.share[i] = MIRROR * water.depth[i] * fresnel;
+        }
+        water.sky = lit.light.sky(&upwards, length);
+        for channel in &mut water.sky {
+            for color in channel.iter_mut() {
+                let root = *color * (1.0 / 255.0);
+                *color = root * root;
+            }
+        }
+        water
     }
 
     /// What lamps and windows shine with.
@@ -142,6 +198,16 @@ impl Shader {
         }
         shine
     }
+}
+
+/// Water on the surfaces of a block.
+struct Water {
+    /// 0 where it is dry.
+    depth: Block,
+    /// Share of the light that it mirrors.
+    share: Block,
+    /// The light of the sky that it mirrors.
+    sky: [Block; 3],
 }
 
 /// Light that is not reflected.

@@ -37,6 +37,8 @@ pub(super) struct Shader {
     inks: Vec<Ink>,
     textures: Vec<Mipmaps>,
     glows: Vec<Glow>,
+    /// Whether water stands on the triangle when it rains.
+    paved: Vec<bool>,
     sun: Sun,
 }
 
@@ -99,6 +101,11 @@ impl Shader {
             inks: scene.materials.iter().map(ink).collect(),
             textures: scene.textures.iter().map(Mipmaps::new).collect(),
             glows: glows(caster),
+            paved: scene
+                .triangles
+                .iter()
+                .map(|t| is_paved(caster, t))
+                .collect(),
             sun: scene.sun,
         }
     }
@@ -186,6 +193,12 @@ impl Shader {
     #[inline(always)]
     pub(super) fn glow_of(&self, triangle: u32) -> Glow {
         self.glows[triangle as usize]
+    }
+
+    /// Whether water stands on a triangle when it rains.
+    #[inline(always)]
+    pub(super) fn is_paved(&self, triangle: u32) -> bool {
+        self.paved[triangle as usize]
     }
 
     #[inline(always)]
@@ -283,6 +296,14 @@ fn glows(caster: &RayCaster) -> Vec<Glow> {
         glows.push(glow);
     }
     glows
+}
+
+fn is_paved(caster: &RayCaster, triangle: &Triangle) -> bool {
+    let class = caster.scene().materials[triangle.material.0 as usize].class;
+    matches!(
+        class,
+        SemanticClass::Road | SemanticClass::Pavement | SemanticClass::Kerb
+    )
 }
 
 /// Whether two triangles have an edge in common.

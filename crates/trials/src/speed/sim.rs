@@ -50,6 +50,8 @@ pub struct SimSpeed {
     /// LiDAR rays, millions per core and second, for a complete scan: aiming, casting, noise, and
     /// points.
     pub lidar_mrays_per_core_second: f64,
+    /// The same with mixed pixels, panes, ghosts and rain.
+    pub real_lidar_mrays_per_core_second: f64,
     /// The same rays, sorted and cast only, without transparent textures: comparable with other ray
     /// casters.
     pub cast_mrays_per_core_second: f64,
@@ -86,8 +88,8 @@ pub fn measure(
     let (name, start, doors) = (world.name.clone(), world.start, places(&world));
     let map = (!plan.is_empty()).then(|| OsmMap::new(&world.map, world.georeference));
     let triangles = world.scene.triangles.len();
-    let [day, night] = ["day", "night"].map(|light| hard(&world, light));
-    let (day, night) = (day?, night?);
+    let [day, night] = ["day", "night"].map(|light| hard(&world, light, "dry"));
+    let (day, night, rain) = (day?, night?, hard(&world, "day", "rain")?);
     let stage = Stage::with_figures(world.scene, plan).map_err(BenchError::world)?;
     let scenery = Scenery {
         stage,
@@ -108,7 +110,8 @@ pub fn measure(
         triangles,
         pedestrians,
         cars,
-        lidar_mrays_per_core_second: lidar(seen, &doors),
+        lidar_mrays_per_core_second: lidar(seen, &doors, Lidar::new(Noise::new(0, 2))),
+        real_lidar_mrays_per_core_second: lidar(seen, &doors, spoiled(&rain)),
         cast_mrays_per_core_second: cast(seen.caster, &doors),
         camera_fps_per_core: camera(&scenery.stage, seen.movers, &doors),
         camera_day_fps_per_core: scenery.real_camera(&day, &doors)?,
@@ -197,10 +200,16 @@ impl Scenery {
     }
 }
 
-/// A cheap camera in this light.
-fn hard(world: &World, light: &str) -> Result<Surroundings, BenchError> {
+/// A cheap camera and a real LiDAR in this light and weather.
+fn hard(world: &World, light: &str, weather: &str) -> Result<Surroundings, BenchError> {
     let mut conditions = Conditions::default();
-    for (key, level) in [("camera", "cheap"), ("light", light)] {
+    let levels = [
+        ("camera", "cheap"),
+        ("light", light),
+        ("weather", weather),
+        ("lidar", "real"),
+    ];
+    for (key, level) in levels {
         conditions.set(key, level).map_err(BenchError::world)?;
     }
     Ok(surroundings(world, &conditions, 0))
@@ -238,9 +247,13 @@ fn sensors(caster: &RayCaster, places: &[Pose2]) -> Vec<Pose3> {
         .collect()
 }
 
-fn lidar(seen: Snapshot<'_>, places: &[Pose2]) -> f64 {
-    // Stream 2 is that of the LiDAR in the simulator.
-    let mut lidar = Lidar::new(Noise::new(0, 2));
+/// A LiDAR with all errors.
+fn spoiled(met: &Surroundings) -> Lidar {
+    Lidar::new(Noise::new(0, 2)).with_errors(met.lidar, met.weather.air(), 0)
+}
+
+/// Rays a second, millions.
+fn lidar(seen: Snapshot<'_>, places: &[Pose2], mut lidar: Lidar) -> f64 {
     let poses = sensors(seen.caster, places);
     let time = fastest(REPETITIONS, || {
         for pose in &poses {

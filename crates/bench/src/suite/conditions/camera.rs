@@ -17,8 +17,8 @@ const DROP_RADII: [f64; 2] = [0.02, 0.06];
 const MOST_RADIAL: f64 = 0.5;
 const MOST_TANGENTIAL: f64 = 0.02;
 
-/// The lens of one camera of a kind.
-pub(crate) fn draw_lens(errors: &CameraErrors, seed: u64) -> LensBuild {
+/// The lens of one camera of a kind, with drops of rain besides its own.
+pub(crate) fn draw_lens(errors: &CameraErrors, rain: u32, seed: u64) -> LensBuild {
     let mut noise = Noise::new(seed, RANDOM_STREAM);
     // In this order whatever is off, so that one number changes nothing about the others.
     let [focal, k1, k2, p1, p2] = std::array::from_fn(|_| noise.normal());
@@ -38,7 +38,7 @@ pub(crate) fn draw_lens(errors: &CameraErrors, seed: u64) -> LensBuild {
             radius: least + size * (most - least),
         }
     };
-    let drops = (0..errors.drops).map(drop).collect();
+    let drops = (0..errors.drops + rain).map(drop).collect();
     LensBuild {
         focal: (1.0 + errors.focal_error * focal).clamp(0.8, 1.25),
         // A lens that folds shows no picture. None of the levels comes near to that.
@@ -135,19 +135,22 @@ mod tests {
 
     #[test]
     fn a_perfect_camera_has_a_perfect_lens() {
-        assert_eq!(draw_lens(&CameraErrors::PERFECT, 5), LensBuild::default());
+        assert_eq!(
+            draw_lens(&CameraErrors::PERFECT, 0, 5),
+            LensBuild::default()
+        );
     }
 
     #[test]
     fn a_lens_is_nearly_as_described_and_differs_between_seeds() {
         let cheap = CameraErrors::LEVELS[2].1;
-        let (lens, other) = (draw_lens(&cheap, 5), draw_lens(&cheap, 6));
+        let (lens, other) = (draw_lens(&cheap, 0, 5), draw_lens(&cheap, 0, 6));
         assert_ne!(lens, other);
         assert_eq!(lens.drops.len(), 4);
         assert!((lens.focal - 1.0).abs() < 0.02 && lens.focal != 1.0);
         assert!((lens.distortion.k1 / cheap.k1 - 1.0).abs() < 0.3);
         let dry = CameraErrors { drops: 0, ..cheap };
-        assert_eq!(draw_lens(&dry, 5).distortion, lens.distortion);
+        assert_eq!(draw_lens(&dry, 9, 5).distortion, lens.distortion);
     }
 
     #[test]

@@ -13,20 +13,25 @@
 //! | `robot` | `[robot]`: how far the robot differs from its description |
 //! | `camera` | `[camera]`: what is wrong with the camera |
 //! | `light` | `[light]`: the hour of day, clouds, lamps |
+//! | `weather` | `[weather]`: rain, fog, wet ground |
+//! | `lidar` | `[lidar]`: edges, panes and mirrors |
 //! | `compute` | `[compute]`: whether computing takes simulated time |
 
 mod camera;
 mod compute;
 mod level;
+mod lidar;
 mod light;
 mod map;
 mod plates;
 mod robot;
 mod start;
+mod weather;
 
 use openbench_osm::disturb::MapErrors;
 use openbench_scene::plates::StreetPlates;
-use openbench_sim::CameraErrors;
+use openbench_sim::lidar::BeamErrors;
+use openbench_sim::{CameraErrors, Weather};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -127,6 +132,10 @@ conditions! {
         camera: CameraErrors,
         /// The hour of day, clouds, lamps.
         light: LightLevel,
+        /// Rain, fog, wet ground.
+        weather: Weather,
+        /// What is wrong with the LiDAR's returns.
+        lidar: BeamErrors,
         /// What door plates are like, and other text.
         plates: StreetPlates,
         /// Whether computing takes simulated time.
@@ -243,6 +252,15 @@ mod tests {
                 "readout_ms = -1: give a number from 0 to 50",
             ),
             ("[camera]\ndrops = -1", "invalid value"),
+            ("weather = \"snow\"", "write one of dry, wet, rain, fog"),
+            (
+                "[weather]\nrain_mm_h = -2",
+                "rain_mm_h = -2: give a number from 0 to 200",
+            ),
+            (
+                "[lidar]\nglass = 1.5",
+                "glass = 1.5: give a number from 0 to 1",
+            ),
             ("light = \"dawn\"", "write one of noon, day, overcast, dusk"),
             (
                 "[light]\nclouds = 2",
