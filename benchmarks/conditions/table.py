@@ -28,6 +28,18 @@ LEVELS = [
     ["start=map"],
     ["robot=calibrated"],
     ["robot=worn"],
+    ["plates=real"],
+    ["camera=good"],
+    ["camera=cheap"],
+    ["light=day"],
+    ["light=overcast"],
+    ["light=dusk"],
+    ["light=night"],
+    ["weather=wet"],
+    ["weather=rain"],
+    ["weather=fog"],
+    ["lidar=real"],
+    ["compute=charged"],
 ]
 
 

@@ -10,8 +10,8 @@ use crate::BenchError;
 use crate::suite::builtin::builtin_suites;
 use crate::suite::{Suite, Track, WorldSource, tracks};
 
-/// The suite that a word names: a built-in one, a track, that of a drawn neighbourhood (`medium-7`),
-/// a suite file (`.toml`), or the folder of a world.
+/// The suite that a word names: a built-in one, a track, that of a drawn neighbourhood
+/// (`medium-7`), a suite file (`.toml`), or the folder of a world.
 ///
 /// # Errors
 /// A file that is no suite, a folder without a world, or a name that is unknown.
