@@ -17,8 +17,8 @@ use crate::plural::count;
 /// and under canopies.
 const DOOR_REACH_M: f64 = 5.0;
 
-/// Stream of random numbers, distinct from those of starts, robots, sensors and traffic.
-const ORIGIN_STREAM: u64 = 35;
+/// Stream of random numbers, distinct from those of other conditions, sensors and traffic.
+const ORIGIN_STREAM: u64 = 37;
 /// Largest distance along each axis of a drawn origin from the middle of the buildings, metres.
 const ORIGIN_REACH_M: f64 = 400.0;
 

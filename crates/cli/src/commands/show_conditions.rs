@@ -83,7 +83,7 @@ fn sheet(images: &[Arc<Image>]) -> Option<Image> {
     let (width, height) = (first.width as usize, first.height as usize);
     let columns = COLUMNS.min(images.len());
     let rows = images.len().div_ceil(columns);
-    let mut rgb = vec![0; 3 * columns * width * rows * height];
+    let mut rgb = vec![255; 3 * columns * width * rows * height];
     for (i, image) in images.iter().enumerate() {
         let (left, top) = (i % columns * width, i / columns * height);
         for (row, line) in image.rgb.chunks_exact(3 * width).enumerate() {
