@@ -1,6 +1,6 @@
 //! What is wrong with a camera: noise, blur, a rolling shutter, a lens that bends and is dirty.
 
-use openbench_core::Distortion;
+use openbench_core::{CameraIntrinsics, Distortion};
 use serde::{Deserialize, Serialize};
 
 /// Time in which the error of the exposure falls by the factor e, unless a suite says otherwise,
@@ -133,6 +133,27 @@ pub struct LensBuild {
     /// What is on the glass.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub drops: Vec<LensDrop>,
+}
+
+impl LensBuild {
+    /// A described camera as it is with this lens.
+    #[must_use]
+    pub fn of(&self, described: CameraIntrinsics) -> CameraIntrinsics {
+        // Exactly the same without errors, whatever the rounding of the angle.
+        if self.focal == 1.0 {
+            return CameraIntrinsics {
+                distortion: self.distortion,
+                ..described
+            };
+        }
+        let half = f64::from(described.width) / 2.0;
+        let focal_length = self.focal * described.focal_length();
+        CameraIntrinsics {
+            horizontal_fov: 2.0 * libm::atan(half / focal_length),
+            distortion: self.distortion,
+            ..described
+        }
+    }
 }
 
 impl Default for LensBuild {

@@ -74,6 +74,11 @@ impl PlateReader for InTurn {
         // Not reached: the last reader returns its readings or its error.
         Ok(Vec::new())
     }
+
+    fn computes_here(&self) -> bool {
+        let mut readers = self.readers.iter();
+        readers.any(|attempted| attempted.reader.computes_here())
+    }
 }
 
 #[cfg(test)]

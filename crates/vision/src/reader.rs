@@ -24,6 +24,11 @@ pub trait PlateReader: Send {
     /// [`ReaderError::BadImage`] if the size of the image and its number of bytes differ, and the
     /// errors of the reader's model.
     fn read(&mut self, image: &Image) -> Result<Vec<PlateReading>, ReaderError>;
+
+    /// Whether the robot's own computer reads, and not a model that is asked elsewhere.
+    fn computes_here(&self) -> bool {
+        true
+    }
 }
 
 impl<R: PlateReader + ?Sized> PlateReader for Box<R> {
@@ -33,6 +38,10 @@ impl<R: PlateReader + ?Sized> PlateReader for Box<R> {
 
     fn read(&mut self, image: &Image) -> Result<Vec<PlateReading>, ReaderError> {
         (**self).read(image)
+    }
+
+    fn computes_here(&self) -> bool {
+        (**self).computes_here()
     }
 }
 

@@ -55,6 +55,10 @@ impl<M: ChatModel> PlateReader for VlmReader<M> {
         self.model.name()
     }
 
+    fn computes_here(&self) -> bool {
+        false
+    }
+
     fn read(&mut self, image: &Image) -> Result<Vec<PlateReading>, ReaderError> {
         check_image(image)?;
         let question = format!(

@@ -57,6 +57,7 @@ pub(super) fn drive(rollout: &mut Rollout<'_>, agent: &mut dyn Agent, begun: Vec
                 observation.camera = newest.camera;
             }
             let action = agent.act(&observation, &mut events);
+            rollout.set_observed(sensed.time);
             let cost = computer.record(rollout, std::mem::take(&mut events));
             computer.decide(sensed.time, cost, action);
         }
@@ -165,11 +166,12 @@ impl Computer {
     /// What the robot does in the next step: the newest command that is decided on, or a
     /// declaration, of which none is passed over.
     fn command(&mut self, now: SimTime) -> Action {
-        while let Some(Decision { at, action }) = self.decisions.pop_front_if(|d| d.at <= now) {
-            match action {
+        while let Some(decision) = self.decisions.pop_front_if(|d| d.at <= now) {
+            match decision.action {
                 Action::Drive(velocity) => {
                     self.held = Held {
-                        since: at,
+                        // From when the drives get it, not from when it was decided on.
+                        since: now,
                         velocity,
                     }
                 }
@@ -262,6 +264,7 @@ mod tests {
     fn the_robot_stops_when_no_command_comes() {
         let mut computer = charged();
         computer.decide(at(0), Duration::ZERO, forward(0.5));
+        assert_eq!(computer.command(at(0)), forward(0.5));
         assert_eq!(computer.command(at(500)), forward(0.5));
         assert_eq!(computer.command(at(550)), forward(0.0));
         assert_eq!(computer.computing.held_up_ns, 50_000_000);

@@ -313,7 +313,7 @@ fn name(deed: &Deed) -> &'static str {
         Deed::Refused(_) => "the refusal",
         Deed::Planned(_) => "the plan",
         Deed::Routed(_) => "a route",
-        Deed::Estimated(..) => "an estimated pose",
+        Deed::Estimated(..) | Deed::EstimatedAt(..) => "an estimated pose",
         Deed::WroteDoor(..) => "a door in the agent's map",
         Deed::Read(_) => "a plate",
         Deed::Asked(_) => "the use of models",

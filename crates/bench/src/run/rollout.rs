@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, Image, MapPoint, ModelUse,
-    Observation, Pose2, SimTime, Start, Velocity,
+    Observation, Pose2, PoseEstimate, SimTime, Start, Velocity,
 };
 use openbench_scene::SemanticClass;
 use openbench_sim::lidar::Scanning;
@@ -29,6 +29,8 @@ use crate::worlds::{Prepared, PreparedEpisode};
 
 /// Images with plates that are kept for the report of an episode; each has about a megabyte.
 const MAX_FRAMES: usize = 6;
+/// True poses that are kept for late estimates: more than observations wait for an agent.
+const MAX_POSES: usize = 64;
 /// Time between two true positions of [`EpisodeTrace::driven`].
 const DRIVEN_PERIOD_NS: u64 = 200_000_000;
 
@@ -70,6 +72,10 @@ pub struct Rollout<'o> {
     /// The world in the frame of the public map; `None` if both are the same.
     frame: Option<Pose2>,
     compute: Compute,
+    /// The instant that the agent observes: now, unless it is behind with its work.
+    observed: SimTime,
+    /// The last true poses in the frame of the public map, oldest first.
+    poses: VecDeque<(SimTime, Pose2)>,
     episode: PreparedEpisode,
     simulator: Simulator,
     observers: Vec<Box<dyn Observer + 'o>>,
@@ -110,6 +116,8 @@ impl<'o> Rollout<'o> {
             briefing: briefing(prepared, &episode, start),
             frame: prepared.on_map().frame(),
             compute: prepared.suite.conditions.compute,
+            observed: SimTime::ZERO,
+            poses: VecDeque::new(),
             simulator: prepared.simulator_at(episode.start, seed)?,
             task: Task::new(episode.start.point()),
             episode,
@@ -183,6 +191,7 @@ impl<'o> Rollout<'o> {
             self.keep_image(time, image.clone());
         }
         if let Some(deed) = Deed::of(&event) {
+            let deed = self.dated(deed);
             self.enter(&deed);
             self.keep_deed(deed);
         }
@@ -199,14 +208,10 @@ impl<'o> Rollout<'o> {
             Deed::Planned(plan) => self.trace.plan = Some(plan.clone()),
             Deed::Routed(points) => self.trace.routes.push(Deed::route(points)),
             Deed::Estimated(pose, health) => {
-                // The simulator has not moved since the observation that the agent acts on. The
-                // true pose is therefore that of the estimate's instant.
-                let estimate = Deed::estimate(*pose, *health);
-                let truth = self.pose_on_map();
-                self.trace.estimated.push(estimate.pose.point());
-                self.trace
-                    .pose_errors
-                    .push(PoseError::new(time, truth, estimate));
+                self.enter_estimate(time, Deed::estimate(*pose, *health));
+            }
+            Deed::EstimatedAt(pose, health, at) => {
+                self.enter_estimate(SimTime(*at), Deed::estimate(*pose, *health));
             }
             Deed::WroteDoor(address, position) => {
                 // A door that is written again replaces the earlier one.
@@ -232,6 +237,31 @@ impl<'o> Rollout<'o> {
         let deed = Deed::Computed(computing);
         self.enter(&deed);
         self.keep_deed(deed);
+    }
+
+    /// A deed with its instant, where that is not now.
+    fn dated(&self, deed: Deed) -> Deed {
+        match deed {
+            Deed::Estimated(pose, health) if self.observed < self.simulator.time() => {
+                Deed::EstimatedAt(pose, health, self.observed.0)
+            }
+            deed => deed,
+        }
+    }
+
+    /// Compares an estimate with the true pose at its instant.
+    fn enter_estimate(&mut self, at: SimTime, estimate: PoseEstimate) {
+        let known = self.poses.iter().find(|(time, _)| *time == at);
+        let truth = known.map_or_else(|| self.pose_on_map(), |(_, pose)| *pose);
+        self.trace.estimated.push(estimate.pose.point());
+        let error = PoseError::new(at, truth, estimate);
+        self.trace.pose_errors.push(error);
+    }
+
+    /// Says of which observation the agent reports from now on: an agent that is behind with its
+    /// work reports estimates of earlier instants.
+    pub(super) fn set_observed(&mut self, time: SimTime) {
+        self.observed = time;
     }
 
     fn keep_deed(&mut self, deed: Deed) {
@@ -337,6 +367,11 @@ impl<'o> Rollout<'o> {
             self.simulator.movers(),
         );
         self.trace.velocities.push(velocity);
+        self.observed = self.simulator.time();
+        self.poses.push_back((self.observed, self.pose_on_map()));
+        if self.poses.len() > MAX_POSES {
+            self.poses.pop_front();
+        }
         // Steps end at multiples of 50 ms, so no multiple of the period is missed.
         if self.simulator.time().0.is_multiple_of(DRIVEN_PERIOD_NS) {
             self.trace.driven.push(pose.point());

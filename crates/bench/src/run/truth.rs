@@ -91,9 +91,9 @@ impl Instant {
     }
 }
 
-/// Number of stored instants: one second at 20 Hz. Agents ask for the pose at the time of a scan or
-/// an image, which is in the past.
-const MAX_INSTANTS: usize = 20;
+/// Number of stored instants: three seconds at 20 Hz. Agents ask for the pose at the time of a scan
+/// or an image, which is in the past, and where computing takes time up to two seconds more.
+const MAX_INSTANTS: usize = 60;
 
 impl TruthHandle {
     /// Stores an instant, later than those before.

@@ -186,8 +186,9 @@ impl Suite {
 
     /// Whether maps, their frames, robots or surroundings of this suite differ from seed to seed.
     pub fn depends_on_seed(&self) -> bool {
-        // Costs of computing are the same for all.
+        // Starts are drawn for each episode, and costs of computing are the same for all.
         let drawn = Conditions {
+            start: StartErrors::default(),
             compute: Compute::default(),
             ..self.conditions
         };

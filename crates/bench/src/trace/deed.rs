@@ -70,6 +70,8 @@ pub enum Deed {
     Routed(Vec<Point>),
     /// It estimated its pose: x, y in metres, yaw in radians.
     Estimated([Number; 3], Health),
+    /// It estimated its pose at an earlier instant, nanoseconds: it is behind with its work.
+    EstimatedAt([Number; 3], Health, u64),
     /// It wrote a door into its map.
     WroteDoor(Address, Point),
     /// It read a plate.

@@ -29,11 +29,22 @@ pub fn suite_named(name: &str) -> Result<Suite, BenchError> {
     if path.extension().is_some_and(|e| e == "toml") {
         return Suite::read(path);
     }
-    match (Track::named(name), kind_and_seed(name)) {
-        (Some(track), _) => suite_of_track(track, 0),
+    match (track_and_seed(name), kind_and_seed(name)) {
+        (Some((track, seed)), _) => suite_of_track(track, seed),
         (None, Some((kind, seed))) => neighbourhood_suite(kind, seed),
         (None, None) => builtin_suite(name),
     }
+}
+
+/// The track and seed in a name such as `street-7`; a track alone has the seed 0.
+fn track_and_seed(name: &str) -> Option<(&'static Track, u64)> {
+    if let Some(track) = Track::named(name) {
+        return Some((track, 0));
+    }
+    let (track, seed) = name.rsplit_once('-')?;
+    // No signs, no leading zeros: one suite has one name.
+    let number: u64 = seed.parse().ok().filter(|n: &u64| n.to_string() == seed)?;
+    Some((Track::named(track)?, number))
 }
 
 /// The suite of a track for the seed of a run.
@@ -53,14 +64,19 @@ fn suite_of_track(track: &Track, seed: u64) -> Result<Suite, BenchError> {
 /// The world of a name that [`is_name`]: that of its suite. For others the error comes from
 /// [`load`](super::load).
 pub fn source_named(name: &str) -> WorldSource {
-    match kind_and_seed(name) {
+    // A track has the world of its kind.
+    let name = match track_and_seed(name) {
+        Some((_, 0)) => tracks::KIND.to_owned(),
+        Some((_, seed)) => format!("{}-{seed}", tracks::KIND),
+        None => name.to_owned(),
+    };
+    match kind_and_seed(&name) {
         Some((kind, seed)) => WorldSource::Drawn {
             kind: kind.name().to_owned(),
             seed,
         },
         None => WorldSource::Builtin {
-            // A track has the world of its kind.
-            name: Track::named(name).map_or(name, |_| tracks::KIND).to_owned(),
+            name,
             // That of the built-in suites.
             seed: 1,
         },
@@ -70,7 +86,7 @@ pub fn source_named(name: &str) -> WorldSource {
 /// Whether a word names a suite that is read from no file.
 pub fn is_name(name: &str) -> bool {
     let is_built_in = builtin_suites().iter().any(|known| known == name);
-    is_built_in || kind_and_seed(name).is_some() || Track::named(name).is_some()
+    is_built_in || kind_and_seed(name).is_some() || track_and_seed(name).is_some()
 }
 
 /// Whether a word names a suite that has another world for each seed of a run.

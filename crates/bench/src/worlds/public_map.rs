@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use openbench_core::{MapPoint, Pose2, Start};
+use openbench_core::{Georeference, MapPoint, Pose2, Start};
 use openbench_geometry::{Bounds, Polygon};
 use openbench_osm::disturb::{BuildingError, Disturbed, MapErrors, MapState, disturb};
 use openbench_osm::{ElementId, OsmData, OsmMap};
@@ -55,8 +55,14 @@ impl OtherMap {
             let disturbed = disturb(&world.map, place, errors, ordered, seed);
             Some(disturbed.map_err(|error| BenchError::world(format!("[map] {error}")))?)
         };
+        if let Georeference::TangentPlane { .. } = place {
+            return Err(BenchError::world(
+                "map, start: the point of tangency of the world's georeference tells agents where \
+                 its origin is; give the world a UTM georeference (--georef utm:33N,0,0)",
+            ));
+        }
         let data = disturbed.as_ref().map_or(&world.map, |wrong| &wrong.map);
-        let shift = drawn_shift(&OsmMap::new(data, place), seed);
+        let shift = drawn_shift(data, place);
         let offset = place.offset();
         let offset = MapPoint::new(offset.x + shift.x, offset.y + shift.y);
         let map = OsmMap::new(data, place.with_offset(offset));
@@ -81,11 +87,15 @@ impl OtherMap {
     }
 }
 
-/// How much a frame has to be shifted to have its origin at a random place near the middle of the
-/// buildings of `map`: whole metres.
-// Of the public map alone and of a seed, so that it tells nothing about the world.
-fn drawn_shift(map: &OsmMap, seed: u64) -> MapPoint {
+/// How much the frame of `place` has to be shifted to have its origin at a random place near the
+/// middle of the buildings: whole metres.
+// Drawn from the public map itself, which agents have anyway: neither the world nor the seed of the
+// run can be inferred from it.
+fn drawn_shift(data: &OsmData, place: Georeference) -> MapPoint {
+    let hash = blake3::hash(&data.to_xml());
+    let seed = u64::from_le_bytes(std::array::from_fn(|i| hash.as_bytes()[i]));
     let mut noise = Noise::new(seed, ORIGIN_STREAM);
+    let map = OsmMap::new(data, place);
     let corners = map.buildings.iter().flat_map(|b| &b.polygon.outer);
     let bounds = corners.map(|corner| Bounds::of_point(*corner));
     let bounds = bounds.reduce(|a, b| a.union(b));

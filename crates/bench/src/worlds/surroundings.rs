@@ -63,8 +63,11 @@ fn street_lamps(map: &OsmMap) -> Vec<MapPoint> {
                     middle.offset(bearing + side * std::f64::consts::FRAC_PI_2, LAMP_OFFSET_M);
                 let is_free = map.buildings_within(place, 0.5).is_empty();
                 let is_near = |lamp: &MapPoint| lamp.distance(place) < LEAST_SPACING_M;
-                if is_free && !lamps.iter().any(is_near) && lamps.len() < MOST_LAMPS {
+                if is_free && !lamps.iter().any(is_near) {
                     lamps.push(place);
+                }
+                if lamps.len() == MOST_LAMPS {
+                    return lamps;
                 }
                 side = -side;
                 along += LAMP_SPACING_M;

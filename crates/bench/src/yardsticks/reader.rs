@@ -77,6 +77,12 @@ impl TruthReader {
                     .defects
                     .camera
                     .of(truth.prepared.robot.camera),
+                // Likewise for its lens.
+                camera_intrinsics: truth
+                    .prepared
+                    .surroundings
+                    .lens
+                    .of(truth.prepared.robot.camera_intrinsics),
                 ..truth.prepared.robot.clone()
             },
             least: LetterHeight::default(),
@@ -115,17 +121,9 @@ impl TruthReader {
 
     /// Where the camera sees a point; `None` outside the image.
     fn pixel(&self, camera: &Pose3, point: Point3<f64>) -> Option<[f32; 2]> {
-        let optics = self.robot.camera_intrinsics;
         let at = camera.inverse() * point;
-        if at.x <= 0.0 {
-            return None;
-        }
-        let f = self.focal_length();
-        let (width, height) = (f64::from(optics.width), f64::from(optics.height));
-        let u = width / 2.0 - f * at.y / at.x;
-        let v = height / 2.0 - f * at.z / at.x;
-        let is_inside = (0.0..width).contains(&u) && (0.0..height).contains(&v);
-        is_inside.then_some([u as f32, v as f32])
+        let seen = self.robot.camera_intrinsics.project(at.coords.into());
+        seen.map(|(u, v)| [u as f32, v as f32])
     }
 
     /// Whether nothing is between the camera and the text.

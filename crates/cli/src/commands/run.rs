@@ -50,12 +50,7 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
         Unfinished::Keep
     };
     let prepared = prepare(args, first_seeds(args))?;
-    prepared
-        .world
-        .warnings
-        .iter()
-        .for_each(|w| tell(&format!("{}: {w}", prepared.world.name)));
-    prepared.warnings().iter().for_each(|w| tell(w));
+    warn(&prepared);
     charge_once(&prepared.suite, &settings)?;
     let fits = factory.check_robot(&settings, &prepared.robot);
     fits.map_err(anyhow::Error::from_boxed)?;
@@ -360,6 +355,14 @@ fn reach_server(
     factory.reach(settings).map_err(anyhow::Error::from_boxed)
 }
 
+/// Tells what is missing in a world, and for the deliveries in it.
+fn warn(prepared: &Prepared) {
+    let name = &prepared.world.name;
+    let world = prepared.world.warnings.iter();
+    world.for_each(|w| tell(&format!("{name}: {w}")));
+    prepared.warnings().iter().for_each(|w| tell(w));
+}
+
 /// Refuses to charge for models by the clock and by the table.
 fn charge_once(suite: &Suite, settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
     let by_clock = settings.get("thinking").is_some_and(|how| how == "charged");
@@ -430,7 +433,9 @@ fn own_world(args: &RunArgs, first: &Prepared, seed: u64) -> anyhow::Result<Opti
         world: seed,
         noise: seed,
     };
-    (!is_first).then(|| prepare(args, seeds)).transpose()
+    let own = (!is_first).then(|| prepare(args, seeds)).transpose()?;
+    own.iter().for_each(warn);
+    Ok(own)
 }
 
 /// Sets what `--condition` says.

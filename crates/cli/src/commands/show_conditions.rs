@@ -116,6 +116,7 @@ mod tests {
         let sheet = sheet(&[image(1), image(2), image(3)]).unwrap();
         assert_eq!((sheet.width, sheet.height), (4, 2));
         let rows: Vec<u8> = sheet.rgb.iter().step_by(6).copied().collect();
-        assert_eq!(rows, [1, 2, 3, 0]);
+        // White where there is none.
+        assert_eq!(rows, [1, 2, 3, 255]);
     }
 }

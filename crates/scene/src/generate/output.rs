@@ -93,27 +93,26 @@ impl Output {
         face
     }
 
-    /// A plate as in streets; plates that show the same share an image.
+    /// A plate or sign as in streets, of a class; those that show the same share an image.
     pub fn street_face(
         &mut self,
+        class: SemanticClass,
         design: &Design,
         lines: &[Line],
         names: &[&str],
         wear: Wear,
     ) -> HungFace {
-        let key = format!("{design:?} {lines:?} {names:?} {wear:?}");
+        let key = format!("{class:?} {design:?} {lines:?} {names:?} {wear:?}");
         if let Some(face) = self.street_faces.get(&key) {
             return *face;
         }
         let drawn = draw_face(design, lines, names, wear);
         let texture = self.scene.texture(drawn.texture);
-        let mut material = Material::plain(SemanticClass::Plate, [1.0; 3]).with_texture(texture);
+        let mut material = Material::plain(class, [1.0; 3]).with_texture(texture);
         material.cutout = drawn.has_holes;
         let face = HungFace {
             material: self.scene.material(material),
-            edge: self
-                .scene
-                .material(Material::plain(SemanticClass::Plate, [0.3; 3])),
+            edge: self.scene.material(Material::plain(class, [0.3; 3])),
             size: drawn.size,
             text: drawn.text,
             text_above_m: drawn.text_above_m,

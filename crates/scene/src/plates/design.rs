@@ -283,6 +283,13 @@ impl Design {
         Self { capital_m, ..self }
     }
 
+    /// Whether its typefaces have all characters of a text.
+    pub fn has(&self, text: &str) -> bool {
+        let own = &typefaces::typefaces()[self.typeface];
+        let chinese = &typefaces::typefaces()[self.chinese];
+        own.has(text) || chinese.has(text)
+    }
+
     /// Name of its typeface.
     pub fn typeface(&self) -> &'static str {
         typefaces::typefaces()[self.typeface].name

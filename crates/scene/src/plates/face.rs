@@ -97,7 +97,7 @@ fn fitting(design: &Design, lines: &[Line]) -> Design {
     design.with_capitals(capital_m)
 }
 
-fn face_for(design: &Design, text: &str) -> &'static Typeface {
+pub(super) fn face_for(design: &Design, text: &str) -> &'static Typeface {
     let own = &typefaces()[design.typeface];
     // Any Chinese character: digits beside them are lettered alike.
     if own.style == Style::Chinese || text.chars().all(|c| c < '\u{3000}') {

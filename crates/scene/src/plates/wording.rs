@@ -159,18 +159,18 @@ impl Facts {
 /// The parts of a building's name: `Ringstraße 12`, `building3`, `3号楼`.
 fn street_and_number(name: &str) -> (Option<String>, Option<String>) {
     let words: Vec<&str> = name.split_whitespace().collect();
-    // `5 bis` is one number.
-    let is_suffix = |word: &&&str| ["bis", "ter", "quater"].contains(&word.to_lowercase().as_str());
-    let suffix = words.last().filter(is_suffix);
+    let suffix = words.last().filter(|word| is_suffix(word));
     let at = words
         .len()
         .saturating_sub(1 + usize::from(suffix.is_some()));
-    let Some(word) = words.get(at) else {
+    let Some(number) = words.get(at).and_then(|word| number_in(word)) else {
         return (None, None);
     };
-    let Some(number) = number_in(word) else {
+    // `14 - 18` and `12 1/2` are numbers of several words, of which the last alone would be wrong.
+    let before = at.checked_sub(1).map(|before| words[before]);
+    if before.is_some_and(|word| !word.contains(char::is_alphabetic)) {
         return (None, None);
-    };
+    }
     let number = match suffix {
         Some(suffix) => format!("{number} {suffix}"),
         None => number,
@@ -182,14 +182,30 @@ fn street_and_number(name: &str) -> (Option<String>, Option<String>) {
     )
 }
 
-/// The number in a word such as `12a`, `14-18`, `building3` or `3号楼`.
+/// What belongs to the number before it: `bis`, `a`, `a-b`.
+fn is_suffix(word: &str) -> bool {
+    let is_letters = word.len() <= 3
+        && word.starts_with(|c: char| c.is_ascii_alphabetic())
+        && word.split('-').all(|part| part.len() == 1);
+    is_letters || ["bis", "ter", "quater"].contains(&word.to_lowercase().as_str())
+}
+
+/// The number in a word such as `12a`, `14-18`, `B7`, `building3` or `3号楼`; `None` if a part of it
+/// would be lost.
 fn number_in(word: &str) -> Option<String> {
     let from = word.find(|c: char| c.is_ascii_digit())?;
+    // One letter belongs to the number, a word does not.
+    let is_letter = |before: &str| before.len() == 1 && before.is_ascii();
+    let from = if is_letter(&word[..from]) { 0 } else { from };
     let number: String = word[from..]
         .chars()
         .take_while(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '/'))
         .collect();
-    (number.chars().count() <= LONGEST_NUMBER).then_some(number)
+    // Behind a number in Chinese come its words.
+    let rest = &word[from + number.len()..];
+    let is_whole = rest.chars().all(|c| ('\u{4e00}'..='\u{9fff}').contains(&c));
+    let fits = (1..=LONGEST_NUMBER).contains(&number.chars().count());
+    (is_whole && fits).then_some(number)
 }
 
 /// One line of a plate.
@@ -275,7 +291,8 @@ impl Wording {
                 Content::Number,
                 self.number(number, facts.street.as_deref()),
             ),
-            (_, _, Some(unit)) => (Content::Unit, vec![line(self.unit(unit))]),
+            // A bare number at an only door would be taken for that of the house.
+            (_, _, Some(unit)) => (Content::Unit, vec![line(self.unit(unit, !facts.is_only))]),
             (_, None, None) => return None,
         };
         let (content, lines) = told;
@@ -288,6 +305,15 @@ impl Wording {
             ..line
         };
         Some((content, lines.into_iter().map(cased).collect()))
+    }
+
+    /// The same without the street, for typefaces that lack its letters.
+    #[must_use]
+    pub fn without_street(self) -> Self {
+        Self {
+            street: false,
+            ..self
+        }
     }
 
     fn number(&self, number: &str, street: Option<&str>) -> Vec<Line> {
@@ -307,30 +333,27 @@ impl Wording {
         vec![line(text)]
     }
 
-    fn unit(&self, unit: &str) -> String {
+    /// A unit in words that no house number has, or, if `may_be_bare`, in some forms without any.
+    fn unit(&self, unit: &str, may_be_bare: bool) -> String {
         let words: &[&str] = match self.language {
-            Language::English => &["Unit", "Apt", "Unit", "Flat", "No.", "#", "Door", "Apt."],
-            Language::German => &["Top", "Tür", "Whg.", "Haus", "Top"],
+            Language::English => &["Unit", "Apt", "Unit", "Flat", "Door", "Apt."],
+            Language::German => &["Top", "Tür", "Whg.", "Top"],
             Language::French => &["Appt", "Porte", "Apt.", "Entrée"],
             Language::Italian => &["Int.", "Interno", "Scala"],
             Language::Spanish => &["Puerta", "Pta.", "Portal"],
             Language::Chinese => {
                 return match self.form % 4 {
-                    0 => unit.to_owned(),
-                    1 => format!("{unit}号"),
+                    0 if may_be_bare => unit.to_owned(),
                     _ => format!("{unit}单元"),
                 };
             }
         };
         // A third have the number alone.
         let form = self.form as usize;
-        if form.is_multiple_of(3) {
+        if form.is_multiple_of(3) && may_be_bare {
             return unit.to_owned();
         }
-        match words[form % words.len()] {
-            "#" => format!("#{unit}"),
-            word => format!("{word} {unit}"),
-        }
+        format!("{} {unit}", words[form % words.len()])
     }
 
     fn both(&self, number: &str, unit: &str) -> Vec<Line> {
@@ -342,14 +365,16 @@ impl Wording {
             };
             return vec![line(text)];
         }
+        // A letter behind a number would be that of another house: `12-A` and `12a`.
+        let is_letter = unit.chars().all(char::is_alphabetic);
         match self.form % 4 {
-            0 => vec![line(format!("{number}-{unit}"))],
-            1 => vec![line(format!("{number}/{unit}"))],
+            0 if !is_letter => vec![line(format!("{number}-{unit}"))],
+            1 if !is_letter => vec![line(format!("{number}/{unit}"))],
             _ => vec![
                 line(number),
                 Line {
                     size: 0.7,
-                    ..line(self.unit(unit))
+                    ..line(self.unit(unit, !is_letter))
                 },
             ],
         }
@@ -414,12 +439,40 @@ mod tests {
     }
 
     #[test]
+    fn no_unit_reads_as_the_number_of_a_house() {
+        // An only door says neither `2` nor `No. 2` for its unit.
+        for language in [Language::English, Language::German, Language::Chinese] {
+            let texts = said(language, "Rose Cottage", "unit2", true);
+            let is_worded = |text: &String| text.chars().any(char::is_alphabetic);
+            assert!(
+                !texts.is_empty() && texts.iter().all(is_worded),
+                "{texts:?}"
+            );
+            let is_number = |text: &&String| text.starts_with("No") || text.starts_with("Haus");
+            assert_eq!(texts.iter().find(is_number), None);
+        }
+        let texts = said(Language::English, "Mill Lane 12", "unitA", false);
+        assert!(
+            !texts.iter().any(|t| t == "12-A" || t == "12/A"),
+            "{texts:?}"
+        );
+    }
+
+    #[test]
     fn numbers_of_the_map_stay_as_they_are() {
         for (name, number) in [
             ("Ringstraße 14-18", Some("14-18")),
             ("Elm Street 12A", Some("12A")),
             ("building21, Rose Estate", Some("21")),
             ("3号楼", Some("3")),
+            ("Hoher Markt 12 a", Some("12 a")),
+            ("Hoher Markt 36 a-b", Some("36 a-b")),
+            ("Row B7", Some("B7")),
+            // Part of it would be another number.
+            ("Hoher Markt 14 - 18", None),
+            ("Hoher Markt 12 1/2", None),
+            ("Hoher Markt 12½", None),
+            ("Лесная 12А", None),
             ("Town Hall", None),
             ("", None),
         ] {

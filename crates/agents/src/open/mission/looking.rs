@@ -225,7 +225,10 @@ impl Mission {
         events: &mut dyn Events,
     ) -> Result<Vec<Location>, ReaderError> {
         let pose = self.localizer.pose();
-        events.record(Event::Work(Work::Reading));
+        // What models are asked is counted by itself.
+        if self.reader.computes_here() {
+            events.record(Event::Work(Work::Reading));
+        }
         let readings = self.reader.read(image)?;
         // All texts of plates are recorded, also those that are not located or trusted: the record
         // shows what the reader saw.

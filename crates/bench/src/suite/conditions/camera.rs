@@ -1,6 +1,6 @@
 //! What is wrong with the camera.
 
-use openbench_core::Distortion;
+use openbench_core::{Distortion, PlanePoint};
 use openbench_sim::noise::Noise;
 use openbench_sim::{CameraErrors, LensBuild, LensDrop};
 
@@ -16,6 +16,21 @@ const DROP_RADII: [f64; 2] = [0.02, 0.06];
 /// Largest numbers of radial and of tangential distortion.
 const MOST_RADIAL: f64 = 0.5;
 const MOST_TANGENTIAL: f64 = 0.02;
+
+/// Whether the corner of an image is found again after the lens has moved it: the iteration that
+/// straightens images must converge.
+fn straightens(distortion: &Distortion) -> bool {
+    const PRECISION: f64 = 1e-6;
+    let corner = PlanePoint {
+        x: 0.8 * CORNER,
+        y: 0.6 * CORNER,
+    };
+    let again = distortion.distort(distortion.undistort(corner));
+    again.is_some_and(|again| {
+        // False for NaN as well.
+        libm::hypot(again.x - corner.x, again.y - corner.y) < PRECISION
+    })
+}
 
 /// The lens of one camera of a kind, with drops of rain besides its own.
 pub(crate) fn draw_lens(errors: &CameraErrors, rain: u32, seed: u64) -> LensBuild {
@@ -42,7 +57,7 @@ pub(crate) fn draw_lens(errors: &CameraErrors, rain: u32, seed: u64) -> LensBuil
     LensBuild {
         focal: (1.0 + errors.focal_error * focal).clamp(0.8, 1.25),
         // A lens that folds shows no picture. None of the levels comes near to that.
-        distortion: if drawn.reaches(CORNER) {
+        distortion: if drawn.reaches(CORNER) && straightens(&drawn) {
             drawn
         } else {
             errors.distortion()
@@ -119,7 +134,10 @@ impl Condition for CameraErrors {
                 ));
             }
         }
-        if !self.distortion().reaches(CORNER) {
+        if self.read_noise > 0.0 && self.full_well == 0.0 {
+            return Err("read_noise needs a full_well above 0".to_owned());
+        }
+        if !self.distortion().reaches(CORNER) || !straightens(&self.distortion()) {
             return Err(format!(
                 "k1 = {}, k2 = {}: the image would fold before its corners; give smaller numbers",
                 self.k1, self.k2
@@ -163,6 +181,18 @@ mod tests {
             ..CameraErrors::PERFECT
         };
         assert!(folding.check().unwrap_err().contains("would fold"));
+        // Does not fold, but is not straightened by the iteration.
+        let stubborn = CameraErrors {
+            k1: -0.5,
+            k2: 0.5,
+            ..CameraErrors::PERFECT
+        };
+        assert!(stubborn.check().unwrap_err().contains("would fold"));
+        let hissing = CameraErrors {
+            read_noise: 8.0,
+            ..CameraErrors::PERFECT
+        };
+        assert!(hissing.check().unwrap_err().contains("full_well"));
         let wild = CameraErrors {
             p1: f64::NAN,
             ..CameraErrors::PERFECT

@@ -30,6 +30,10 @@ impl Condition for BeamErrors {
             ("beam_mrad", self.beam_mrad, 20.0),
             ("glass", self.glass, 1.0),
             ("ghosts", self.ghosts, 1.0),
-        ])
+        ])?;
+        if self.ghosts > 0.0 && self.glass == 0.0 {
+            return Err("ghosts are a share of what glass takes; set glass too".to_owned());
+        }
+        Ok(())
     }
 }

@@ -142,6 +142,10 @@ impl Condition for LightLevel {
                 self.sun_from_deg, self.sun_to_deg
             ));
         }
+        if !self.drawn && *self != Self::NOON {
+            let problem = "noon is as it is; set drawn = true, or begin with a level such as day";
+            return Err(problem.to_owned());
+        }
         Ok(())
     }
 }

@@ -12,6 +12,7 @@ use crate::generate::inputs::Inputs;
 use crate::generate::output::Output;
 use crate::generate::seeds::{between, chance, element_number, mix, pick};
 use crate::generate::shapes::{Block, Surface, cuboid};
+use crate::material::SemanticClass;
 use crate::plates::{
     Content, Design, Extent, Facts, Language, Line, Make, TypefaceSet, Wear, Wording,
 };
@@ -103,7 +104,17 @@ pub(super) fn hang(inputs: &Inputs, out: &mut Output, house: &House, door: &Door
         custom.design
     };
     let facts = Facts::of(&door.address, inputs.neighbourhood.is_only(door));
-    let told = custom.wording.lines(&facts).filter(|_| !state.is_missing);
+    let told = custom.wording.lines(&facts);
+    let is_drawable = |(_, lines): &(Content, Vec<Line>)| {
+        let mut lines = lines.iter();
+        lines.all(|line| design.has(&line.text))
+    };
+    // A name of the map may have letters that no typeface has.
+    let told = told.filter(is_drawable).or_else(|| {
+        let plain = custom.wording.without_street().lines(&facts);
+        plain.filter(is_drawable)
+    });
+    let told = told.filter(|_| !state.is_missing);
     let names = [0; 4].map(|_| pick(draws, custom.language.family_names()));
     let drawn = &mut out.drawn_plates;
     drawn.doors += 1;
@@ -124,7 +135,7 @@ pub(super) fn hang(inputs: &Inputs, out: &mut Output, house: &House, door: &Door
     };
     count(out, content, design.make, &state.wear);
     out.drawn_plates.tilted += usize::from(state.is_tilted());
-    let face = out.street_face(&design, &lines, &names, state.wear);
+    let face = out.street_face(SemanticClass::Plate, &design, &lines, &names, state.wear);
     let place = Place::of(&custom, door, face.size);
     let tilt = state.tilt_deg.to_radians();
     face.hang(&mut out.scene, place.door, place.back, tilt);
@@ -140,7 +151,13 @@ pub(super) fn hang(inputs: &Inputs, out: &mut Output, house: &House, door: &Door
             dirt: 0.25,
             glare: None,
         };
-        let lower = out.street_face(&more.design, &more.lines, &names, wear);
+        let lower = out.street_face(
+            SemanticClass::Plate,
+            &more.design,
+            &more.lines,
+            &names,
+            wear,
+        );
         if let Some(below) = place.below(face.size, lower.size) {
             lower.hang(&mut out.scene, below.door, below.back, 0.0);
             out.drawn_plates.second += 1;
@@ -309,7 +326,7 @@ fn cover(
             let columns = (wide / LEAF_M) as usize + 1;
             for row in 0..rows {
                 for column in 0..columns {
-                    let half = between(draws, 0.6, 1.1) * LEAF_M;
+                    let half = between(draws, 0.8, 1.2) * LEAF_M;
                     let share = (column as f64 + between(draws, 0.3, 0.7)) / columns as f64;
                     let middle = strip[0] + share * wide;
                     let z = high.start + (row as f64 + between(draws, 0.2, 0.8)) * LEAF_M;

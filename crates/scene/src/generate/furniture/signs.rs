@@ -5,10 +5,12 @@ use std::ops::Range;
 
 use nalgebra::Point3;
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::line::length;
 use openbench_geometry::{Segment, segments};
 use openbench_osm::{Building, Road, draws};
 use rand_pcg::Pcg64Mcg;
 
+use crate::generate::buildings::house::is_open_below;
 use crate::generate::buildings::walls::walls;
 use crate::generate::doors::doorway::Doorway;
 use crate::generate::inputs::Inputs;
@@ -52,15 +54,21 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
         doors.entry(door.building).or_default().push(door);
     }
     for (index, building) in inputs.map.buildings.iter().enumerate() {
-        let own = doors.get(&index).map_or(&[][..], Vec::as_slice);
-        on_walls(inputs, out, building, own);
+        // Sheds, garages and roofs have no doors, and some of them no walls.
+        if let Some(own) = doors.get(&index).filter(|_| !is_open_below(&building.tags)) {
+            on_walls(inputs, out, building, own);
+        }
     }
     for road in &inputs.map.roads {
         on_poles(inputs, occupied, out, road);
     }
 }
 
-/// A sign at a place of a wall or pole.
+/// A sign at a place of a wall or pole, with `room` metres on either side of its middle.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "what, where, and the stream that draws it"
+)]
 fn hang(
     inputs: &Inputs,
     out: &mut Output,
@@ -68,6 +76,7 @@ fn hang(
     street: &str,
     place: Pose2,
     back: Point3<f64>,
+    room: f64,
     draws: &mut Pcg64Mcg,
 ) {
     let set = TypefaceSet::of_seed(inputs.options.plates.seed);
@@ -79,7 +88,16 @@ fn hang(
         SignKind::Poster => between(draws, -0.04, 0.04),
         _ => 0.0,
     };
-    let face = out.street_face(&sign.design, &sign.lines, &[], Wear { dirt, glare: None });
+    if !sign.lines.iter().all(|line| sign.design.has(&line.text)) {
+        return;
+    }
+    let class = SemanticClass::Furniture;
+    let wear = Wear { dirt, glare: None };
+    let face = out.street_face(class, &sign.design, &sign.lines, &[], wear);
+    // Nothing sticks out beyond the corner of a wall.
+    if face.size.width_m / 2.0 > room {
+        return;
+    }
     face.hang(&mut out.scene, place, back, tilt);
     out.drawn_plates.signs += 1;
 }
@@ -116,7 +134,9 @@ fn on_walls(inputs: &Inputs, out: &mut Output, building: &Building, doors: &[&Do
             0.3,
             BUILDING,
         );
-        let fits = wall.length() > SHORTEST_WALL_M && is_clear && is_seen && !out.is_full();
+        let is_high = kind != SignKind::Shop || has_upper_floor(building);
+        let is_clear = is_clear && is_seen && is_high;
+        let fits = wall.length() > SHORTEST_WALL_M && is_clear && !out.is_full();
         if wanted && fits {
             out.scene.begin_object("sign", SemanticClass::Furniture);
             hang(
@@ -126,6 +146,7 @@ fn on_walls(inputs: &Inputs, out: &mut Output, building: &Building, doors: &[&Do
                 "",
                 before,
                 Point3::new(0.05, 0.0, up),
+                along.min(wall.length() - along) - 0.1,
                 draws,
             );
         }
@@ -136,9 +157,30 @@ fn on_walls(inputs: &Inputs, out: &mut Output, building: &Building, doors: &[&Do
             // On the leaf, at the height of a letter box.
             out.scene.begin_object("sign", SemanticClass::Furniture);
             let back = Point3::new(0.06, 0.0, 1.05);
-            hang(inputs, out, SignKind::Notice, "", door.pose(), back, draws);
+            hang(
+                inputs,
+                out,
+                SignKind::Notice,
+                "",
+                door.pose(),
+                back,
+                f64::INFINITY,
+                draws,
+            );
         }
     }
+}
+
+/// Whether a shop's sign fits above its ground floor, unless the map says that there is no more.
+fn has_upper_floor(building: &Building) -> bool {
+    let number = |key: &str| {
+        building
+            .tags
+            .get(key)
+            .and_then(|text| text.parse::<f64>().ok())
+    };
+    let is_lower = |key: &str, least: f64| number(key).is_some_and(|value| value < least);
+    !is_lower("building:levels", 2.0) && !is_lower("height", 4.0)
 }
 
 fn on_poles(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output, road: &Road) {
@@ -149,36 +191,40 @@ fn on_poles(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output, road: &R
     let draws = &mut draws::stream(plates.seed, SIGN_STREAM, road.way as u64 | 1 << 63);
     let aside = profile.width / 2.0 + FROM_KERB_M;
     let name = road.tags.get("name").unwrap_or_default();
-    let ends = [segments(&road.points).next(), segments(&road.points).last()];
-    for (segment, at) in ends.into_iter().flatten().zip([0.0, 1.0]) {
+    let whole = length(&road.points);
+    // A few metres from the junctions at both ends.
+    for run in [6.0, whole - 6.0] {
         let wanted = chance(draws, plates.shares.signs.sqrt());
-        let length = segment.length().max(1e-9);
-        // A few metres from the junction.
-        let run = if at == 0.0 { 6.0 } else { length - 6.0 };
-        if wanted && !name.is_empty() && length > 12.0 {
-            let foot = beside(segment, run, aside);
+        if wanted && !name.is_empty() && whole > 12.0 {
             // Along the street, so that those who cross it read it.
-            let place = Pose2::new(foot.x, foot.y, segment.bearing());
-            pole(inputs, occupied, out, SignKind::Street, name, place, draws);
+            if let Some(place) = beside(&road.points, run, aside) {
+                pole(inputs, occupied, out, SignKind::Street, name, place, draws);
+            }
         }
     }
-    for segment in segments(&road.points) {
-        let count = (segment.length() / BETWEEN_PARKING_M).min(100.0) as usize;
-        for i in 0..count {
-            let wanted = chance(draws, 0.6 * plates.shares.signs);
-            let run = (i as f64 + 0.5) * BETWEEN_PARKING_M;
-            let foot = beside(segment, run, aside);
-            let place = Pose2::new(foot.x, foot.y, segment.bearing());
-            if wanted {
-                pole(inputs, occupied, out, SignKind::Parking, "", place, draws);
-            }
+    let count = (whole / BETWEEN_PARKING_M).min(100.0) as usize;
+    for i in 0..count {
+        let wanted = chance(draws, 0.6 * plates.shares.signs);
+        let run = (i as f64 + 0.5) * BETWEEN_PARKING_M;
+        if let Some(place) = beside(&road.points, run, aside).filter(|_| wanted) {
+            pole(inputs, occupied, out, SignKind::Parking, "", place, draws);
         }
     }
 }
 
-/// The place `aside` metres to the right of a segment.
-fn beside(segment: Segment, run: f64, aside: f64) -> MapPoint {
-    segment.pose().transform(run, -aside)
+/// The place `run` metres along a line and `aside` metres to its right, facing along it; `None`
+/// beyond its end.
+fn beside(points: &[MapPoint], run: f64, aside: f64) -> Option<Pose2> {
+    let mut before = 0.0;
+    for segment in segments(points) {
+        let after = before + segment.length();
+        if run <= after && after > before {
+            let foot = segment.pose().transform(run - before, -aside);
+            return Some(Pose2::new(foot.x, foot.y, segment.bearing()));
+        }
+        before = after;
+    }
+    None
 }
 
 /// A pole with a sign, if there is room for it.
@@ -208,7 +254,8 @@ fn pole(
     // Both sides say the same.
     let other = Pose2::new(place.x, place.y, place.yaw + std::f64::consts::PI);
     let mut again = draws.clone();
-    hang(inputs, out, kind, street, other, back, &mut again);
-    hang(inputs, out, kind, street, place, back, draws);
+    let room = f64::INFINITY;
+    hang(inputs, out, kind, street, other, back, room, &mut again);
+    hang(inputs, out, kind, street, place, back, room, draws);
     occupied.add_disc(foot, 0.2);
 }

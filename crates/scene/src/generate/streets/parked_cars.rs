@@ -189,9 +189,13 @@ impl Parking<'_, '_> {
         let language = self.inputs.neighbourhood.language();
         let set = TypefaceSet::of_seed(plates.seed);
         let sign = draw_sign(SignKind::Car, language, "", draws, set);
-        let face = self
-            .out
-            .street_face(&sign.design, &sign.lines, &[], Wear::default());
+        let face = self.out.street_face(
+            SemanticClass::Vehicle,
+            &sign.design,
+            &sign.lines,
+            &[],
+            Wear::default(),
+        );
         let [back, front] = car.ends(NUMBER_PLATE_M);
         for (end, yaw) in [(front, pose.yaw), (back, pose.yaw + PI)] {
             let at = pose.transform(end, 0.0);
