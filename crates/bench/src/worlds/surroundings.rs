@@ -107,7 +107,12 @@ mod tests {
         assert_eq!(at("noon"), Surroundings::default());
         assert!(at("day").street_lamps.is_empty());
         let night = at("night");
-        assert!(night.street_lamps.len() > 3, "{}", night.street_lamps.len());
+        // One every 30 m of a short street.
+        assert!(
+            night.street_lamps.len() >= 2,
+            "{}",
+            night.street_lamps.len()
+        );
         assert_eq!(night, at("night"));
     }
 }
