@@ -201,7 +201,7 @@ def test_conditions_change_the_map_and_not_the_world() -> None:
     [
         ({"map": "village"}, "write one of exact, good, city, poor"),
         ({"map.shift_m": -1}, "give a number from 0 to 100"),
-        ({"weather": "bad"}, "there is no such condition"),
+        ({"season": "winter"}, "there is no such condition"),
     ],
 )
 def test_a_condition_that_there_is_not_is_refused(conditions: Any, problem: str) -> None:
