@@ -17,12 +17,12 @@ use super::rollout::{Rollout, Status};
 use crate::suite::Compute;
 use crate::trace::Computing;
 
-/// Observations that wait at most: those of two seconds. As of a full queue of ROS, the oldest is
-/// lost.
+/// Observations that wait at most: those of two seconds. When the queue is full, the oldest is
+/// lost, as in ROS.
 const MOST_WAITING: usize = 40;
 
-/// What work costs on the reference computer: three times as much as on the machine of the table in
-/// `docs/conditions.md`. Small computers of robots are about so much slower than a server.
+/// What work costs on the reference computer. It is assumed to be three times slower than the
+/// machine on which the table in `docs/conditions.md` was measured.
 pub const fn cost_of(work: Work) -> Duration {
     Duration::from_millis(match work {
         Work::Registration => 10,

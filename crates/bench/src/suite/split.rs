@@ -1,7 +1,7 @@
 //! What worlds and seeds may be used for: training, validation or tests.
 //!
-//! Whoever chooses a constant or trains a network by results on test worlds or seeds measures
-//! nothing with them any more.
+//! Results on test worlds and seeds mean something only if no constant was chosen and no network
+//! was trained on them.
 
 use std::fmt;
 use std::ops::RangeInclusive;

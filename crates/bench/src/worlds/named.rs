@@ -4,7 +4,7 @@ use std::path::Path;
 
 use openbench_neighbourhoods::Kind;
 
-use super::neighbourhoods::{kind_and_seed, neighbourhood_suite};
+use super::neighbourhoods::{kind_and_seed, name_and_seed, neighbourhood_suite};
 use super::{builtin_suite, folder};
 use crate::BenchError;
 use crate::suite::builtin::builtin_suites;
@@ -41,10 +41,8 @@ fn track_and_seed(name: &str) -> Option<(&'static Track, u64)> {
     if let Some(track) = Track::named(name) {
         return Some((track, 0));
     }
-    let (track, seed) = name.rsplit_once('-')?;
-    // No signs, no leading zeros: one suite has one name.
-    let number: u64 = seed.parse().ok().filter(|n: &u64| n.to_string() == seed)?;
-    Some((Track::named(track)?, number))
+    let (track, seed) = name_and_seed(name)?;
+    Some((Track::named(track)?, seed))
 }
 
 /// The suite of a track for the seed of a run.

@@ -51,10 +51,16 @@ pub fn neighbourhood_suite(kind: Kind, seed: u64) -> Result<Suite, BenchError> {
 
 /// The kind and seed in a name such as `medium-7`.
 pub(super) fn kind_and_seed(name: &str) -> Option<(Kind, u64)> {
-    let (kind, seed) = name.rsplit_once('-')?;
-    // No signs, no leading zeros: one neighbourhood has one name.
+    let (kind, seed) = name_and_seed(name)?;
+    Some((kind.parse().ok()?, seed))
+}
+
+/// What stands before and behind the last hyphen, if that is a seed.
+pub(super) fn name_and_seed(name: &str) -> Option<(&str, u64)> {
+    let (name, seed) = name.rsplit_once('-')?;
+    // No signs, no leading zeros: one suite has one name.
     let number: u64 = seed.parse().ok().filter(|n: &u64| n.to_string() == seed)?;
-    Some((kind.parse().ok()?, number))
+    Some((name, number))
 }
 
 #[cfg(test)]

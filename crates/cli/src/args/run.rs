@@ -31,8 +31,9 @@ Examples:
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\
       --deliveries delivery_instructions_small.txt --truth delivery_instructions_small_gt.txt")]
 pub struct RunArgs {
-    /// A built-in suite (small, medium, large), that of a drawn neighbourhood (medium-7), a suite
-    /// file (.toml), or a world folder [default: small]
+    /// A built-in suite (small, medium, large), that of a drawn neighbourhood (medium-7) or of a
+    /// real place (krems), a track (paper, street, hard), a suite file (.toml), or a world folder
+    /// [default: small]
     #[arg(conflicts_with = "world")]
     pub suite: Option<String>,
     /// The agent to run

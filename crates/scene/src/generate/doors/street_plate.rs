@@ -85,6 +85,17 @@ impl Custom {
     }
 }
 
+/// What a plate of a design says of a door; `None` if its typefaces lack the letters.
+fn told(wording: &Wording, design: &Design, facts: &Facts) -> Option<(Content, Vec<Line>)> {
+    let is_drawable = |(_, lines): &(Content, Vec<Line>)| {
+        let mut lines = lines.iter();
+        lines.all(|line| design.has(&line.text))
+    };
+    // Streets may have letters that no typeface has.
+    let told = wording.lines(facts).filter(is_drawable);
+    told.or_else(|| wording.without_street().lines(facts).filter(is_drawable))
+}
+
 /// Hangs the plates of a door, and records the door.
 pub(super) fn hang(inputs: &Inputs, out: &mut Output, house: &House, door: &Doorway) {
     let plates = &inputs.options.plates;
@@ -104,17 +115,7 @@ pub(super) fn hang(inputs: &Inputs, out: &mut Output, house: &House, door: &Door
         custom.design
     };
     let facts = Facts::of(&door.address, inputs.neighbourhood.is_only(door));
-    let told = custom.wording.lines(&facts);
-    let is_drawable = |(_, lines): &(Content, Vec<Line>)| {
-        let mut lines = lines.iter();
-        lines.all(|line| design.has(&line.text))
-    };
-    // A name of the map may have letters that no typeface has.
-    let told = told.filter(is_drawable).or_else(|| {
-        let plain = custom.wording.without_street().lines(&facts);
-        plain.filter(is_drawable)
-    });
-    let told = told.filter(|_| !state.is_missing);
+    let told = told(&custom.wording, &design, &facts).filter(|_| !state.is_missing);
     let names = [0; 4].map(|_| pick(draws, custom.language.family_names()));
     let drawn = &mut out.drawn_plates;
     drawn.doors += 1;
