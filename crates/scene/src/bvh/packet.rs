@@ -128,6 +128,24 @@ impl TriangleBvh {
         hits
     }
 
+    /// Finds out which of sixteen rays hit anything; hits of masked triangles count only where
+    /// `opaque` is true. Distances and places of the hits mean nothing.
+    #[inline(always)]
+    pub(crate) fn any_hits(&self, rays: &RayPacket, opaque: impl Fn(&Hit) -> bool) -> PacketHits {
+        let mut hits = PacketHits::none(rays);
+        if self.depth >= PACKET_STACK {
+            self.cast_each(rays, &opaque, &mut hits);
+        } else {
+            widest(AnyHits {
+                tree: self,
+                rays,
+                opaque: &opaque,
+                hits: &mut hits,
+            });
+        }
+        hits
+    }
+
     /// Casts ray by ray: for trees deeper than the packet's stack, which only degenerate scenes
     /// have.
     pub(super) fn cast_each(
@@ -277,6 +295,50 @@ impl<F: Fn(&Hit) -> bool> Kernel for Cast<'_, F> {
     }
 }
 
+/// Finds any hits of the rays in a tree no deeper than [`PACKET_STACK`].
+struct AnyHits<'a, F> {
+    tree: &'a TriangleBvh,
+    rays: &'a RayPacket,
+    opaque: &'a F,
+    hits: &'a mut PacketHits,
+}
+
+impl<F: Fn(&Hit) -> bool> Kernel for AnyHits<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            tree,
+            rays,
+            opaque,
+            hits,
+        } = self;
+        let triangles = Triangles { tree, rays, opaque };
+        traverse(
+            &tree.nodes,
+            &Traversal::new(rays),
+            hits,
+            Obstacles(triangles),
+        );
+    }
+}
+
+/// Intersects the triangles of leaves, and ends rays that hit any.
+struct Obstacles<'a, F>(Triangles<'a, F>);
+
+impl<F: Fn(&Hit) -> bool> Visit for Obstacles<'_, F> {
+    #[inline(always)]
+    fn leaf(&mut self, node: &Node, hits: &mut PacketHits) {
+        self.0.leaf(node, hits);
+        for lane in 0..LANES {
+            // An idle lane enters no other node.
+            let hit = mask(hits.triangle[lane] != MISS);
+            hits.distance[lane] = select(hit, -1.0, hits.distance[lane]);
+        }
+    }
+}
+
 /// Intersects the triangles of leaves.
 pub(super) struct Triangles<'a, F> {
     pub(super) tree: &'a TriangleBvh,
@@ -288,90 +350,132 @@ impl<F: Fn(&Hit) -> bool> Visit for Triangles<'_, F> {
     #[inline(always)]
     fn leaf(&mut self, node: &Node, hits: &mut PacketHits) {
         for triangle in self.tree.leaf(node) {
+            let met = Anywhere {
+                triangle: *triangle,
+                rays: self.rays,
+            };
             if triangle.masked {
-                intersect_masked(triangle, self.rays, hits, self.opaque);
+                intersect_masked(triangle.index, &met, hits, self.opaque);
             } else {
-                intersect(triangle, self.rays, hits);
+                intersect(triangle.index, &met, hits);
             }
         }
     }
 }
 
+/// How the rays of a packet meet a triangle.
+pub(super) trait Meet {
+    fn meet(&self, lane: usize, limit: f32) -> Meeting;
+}
+
+/// A triangle and rays from anywhere.
+struct Anywhere<'a> {
+    triangle: LeafTriangle,
+    rays: &'a RayPacket,
+}
+
+impl Meet for Anywhere<'_> {
+    #[inline(always)]
+    fn meet(&self, lane: usize, limit: f32) -> Meeting {
+        moeller_trumbore(
+            &self.triangle,
+            of_lane(&self.rays.origin, lane),
+            of_lane(&self.rays.direction, lane),
+            limit,
+        )
+    }
+}
+
 #[inline(always)]
-fn intersect(triangle: &LeafTriangle, rays: &RayPacket, hits: &mut PacketHits) {
-    let triangle = *triangle;
-    for lane in 0..LANES {
-        let Meeting {
-            distance,
-            u,
-            v,
-            hit,
-        } = moeller_trumbore(
-            &triangle,
-            of_lane(&rays.origin, lane),
-            of_lane(&rays.direction, lane),
-            hits.distance[lane],
-        );
-        hits.distance[lane] = select(hit, distance, hits.distance[lane]);
-        hits.triangle[lane] = (triangle.index & hit) | (hits.triangle[lane] & !hit);
-        hits.u[lane] = select(hit, u, hits.u[lane]);
-        hits.v[lane] = select(hit, v, hits.v[lane]);
+pub(super) fn intersect(index: u32, met: &impl Meet, hits: &mut PacketHits) {
+    let met = Meetings::of(met, hits);
+    if met.any() {
+        met.write(index, hits);
+    }
+}
+
+/// How sixteen rays meet a triangle.
+struct Meetings {
+    distance: Lane,
+    u: Lane,
+    v: Lane,
+    /// Ones in every bit of the lanes that hit it before the limit.
+    inside: [u32; LANES],
+}
+
+impl Meetings {
+    #[inline(always)]
+    fn of(met: &impl Meet, hits: &PacketHits) -> Self {
+        let mut all = Self {
+            distance: [0.0; LANES],
+            u: [0.0; LANES],
+            v: [0.0; LANES],
+            inside: [0; LANES],
+        };
+        for lane in 0..LANES {
+            let met = met.meet(lane, hits.distance[lane]);
+            (all.distance[lane], all.u[lane], all.v[lane]) = (met.distance, met.u, met.v);
+            all.inside[lane] = met.hit;
+        }
+        all
+    }
+
+    /// Whether any ray hits. Most triangles are missed by all: that test takes one instruction,
+    /// writing takes many, and masked writes are slow on some machines.
+    #[inline(always)]
+    fn any(&self) -> bool {
+        self.inside.iter().fold(0, |any, lane| any | lane) != 0
+    }
+
+    /// Writes the hits, all lanes at once: reading a vector after single lanes of it were written
+    /// stalls.
+    #[inline(always)]
+    fn write(&self, index: u32, hits: &mut PacketHits) {
+        for lane in 0..LANES {
+            let hit = self.inside[lane];
+            hits.distance[lane] = select(hit, self.distance[lane], hits.distance[lane]);
+            hits.triangle[lane] = (index & hit) | (hits.triangle[lane] & !hit);
+            hits.u[lane] = select(hit, self.u[lane], hits.u[lane]);
+            hits.v[lane] = select(hit, self.v[lane], hits.v[lane]);
+        }
     }
 }
 
 /// As [`intersect`], but tests each hit for a hole.
 #[inline(always)]
-fn intersect_masked(
-    triangle: &LeafTriangle,
-    rays: &RayPacket,
+pub(super) fn intersect_masked(
+    index: u32,
+    met: &impl Meet,
     hits: &mut PacketHits,
     opaque: &impl Fn(&Hit) -> bool,
 ) {
-    let triangle = *triangle;
-    let (mut distance, mut u, mut v) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-    let mut inside = [0_u32; LANES];
-    for lane in 0..LANES {
-        let met = moeller_trumbore(
-            &triangle,
-            of_lane(&rays.origin, lane),
-            of_lane(&rays.direction, lane),
-            hits.distance[lane],
-        );
-        (distance[lane], u[lane], v[lane]) = (met.distance, met.u, met.v);
-        inside[lane] = met.hit;
-    }
-    // Most triangles are missed by all rays. That test takes one instruction; which rays hit takes
-    // a dozen.
-    if inside.iter().fold(0, |any, lane| any | lane) == 0 {
+    let mut met = Meetings::of(met, hits);
+    if !met.any() {
         return;
     }
-    let mut left = bits(&inside);
+    let mut left = bits(&met.inside);
     let mut kept = 0;
     while left != 0 {
         // Below sixteen anyway; the remainder spares the compiler a test of each index.
         let lane = left.trailing_zeros() as usize % LANES;
         left &= left - 1;
         let hit = Hit {
-            distance: distance[lane],
-            triangle: triangle.index,
-            u: u[lane],
-            v: v[lane],
+            distance: met.distance[lane],
+            triangle: index,
+            u: met.u[lane],
+            v: met.v[lane],
         };
         kept |= u32::from(opaque(&hit)) << lane;
     }
-    // All lanes at once: reading a vector after single lanes of it were written stalls.
-    for lane in 0..LANES {
-        let hit = mask(kept & 1 << lane != 0);
-        hits.distance[lane] = select(hit, distance[lane], hits.distance[lane]);
-        hits.triangle[lane] = (triangle.index & hit) | (hits.triangle[lane] & !hit);
-        hits.u[lane] = select(hit, u[lane], hits.u[lane]);
-        hits.v[lane] = select(hit, v[lane], hits.v[lane]);
+    for (lane, inside) in met.inside.iter_mut().enumerate() {
+        *inside = mask(kept & 1 << lane != 0);
     }
+    met.write(index, hits);
 }
 
 /// The vector of one ray.
 #[inline(always)]
-fn of_lane(vectors: &[Lane; 3], lane: usize) -> [f32; 3] {
+pub(super) fn of_lane(vectors: &[Lane; 3], lane: usize) -> [f32; 3] {
     [vectors[0][lane], vectors[1][lane], vectors[2][lane]]
 }
 

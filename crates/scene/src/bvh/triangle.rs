@@ -96,19 +96,69 @@ pub(super) fn moeller_trumbore(
     let q = cross(s, t.edge1);
     let v = dot(direction, q) * inverse;
     let distance = dot(t.edge2, q) * inverse;
-    // A ray in the plane of the triangle gives NaN or infinity, and no comparison is true. Masks
-    // instead of `&&`: a branch for each lane would keep the compiler from using vectors. Edges
-    // belong to the triangles on both sides, so that hardly a ray passes between them.
-    let hit = mask(u >= 0.0)
-        & mask(v >= 0.0)
-        & mask(u + v <= 1.0)
-        & mask(distance > NEAREST)
-        & mask(distance < limit);
-    Meeting {
-        distance,
-        u,
-        v,
-        hit,
+    Meeting::within(distance, u, v, limit)
+}
+
+impl Meeting {
+    /// A hit if the weights are those of a place in the triangle, before the limit.
+    #[inline(always)]
+    fn within(distance: f32, u: f32, v: f32, limit: f32) -> Self {
+        // A ray in the plane of the triangle gives NaN or infinity, and no comparison is true.
+        // Masks instead of `&&`: a branch for each lane would keep the compiler from using vectors.
+        // Edges belong to the triangles on both sides, so that hardly a ray passes between them.
+        let hit = mask(u >= 0.0)
+            & mask(v >= 0.0)
+            & mask(u + v <= 1.0)
+            & mask(distance > NEAREST)
+            & mask(distance < limit);
+        Self {
+            distance,
+            u,
+            v,
+            hit,
+        }
+    }
+}
+
+/// A triangle as rays from one point meet it: what [`moeller_trumbore`] computes for each ray, but
+/// depends on the origin alone, is computed once. Places differ from its ones by rounding.
+#[derive(Clone, Copy)]
+pub(super) struct FromPoint {
+    /// The determinant for a direction along each axis.
+    determinant: [f32; 3],
+    /// The same for the weight of the second corner, and for that of the third.
+    second: [f32; 3],
+    third: [f32; 3],
+    /// The distance times the determinant.
+    distance: f32,
+}
+
+impl FromPoint {
+    #[inline(always)]
+    pub(super) fn new(t: &LeafTriangle, origin: [f32; 3]) -> Self {
+        let s = [
+            origin[0] - t.corner[0],
+            origin[1] - t.corner[1],
+            origin[2] - t.corner[2],
+        ];
+        // Triple products keep their value when their factors rotate: e1 · (D × e2) = D · (e2 ×
+        // e1), and s · (D × e2) = D · (e2 × s).
+        let third = cross(s, t.edge1);
+        Self {
+            determinant: cross(t.edge2, t.edge1),
+            second: cross(t.edge2, s),
+            third,
+            distance: dot(t.edge2, third),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn meet(&self, direction: [f32; 3], limit: f32) -> Meeting {
+        let inverse = 1.0 / dot(direction, self.determinant);
+        let u = dot(direction, self.second) * inverse;
+        let v = dot(direction, self.third) * inverse;
+        let distance = self.distance * inverse;
+        Meeting::within(distance, u, v, limit)
     }
 }
 

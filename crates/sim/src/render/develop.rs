@@ -198,27 +198,31 @@ fn blurred(planes: &LightPlanes, at: [usize; 2], path: Path) -> [Rows; 3] {
     } else {
         1
     };
-    let mut light = [[0.0; PIXELS]; 3];
-    for tap in 0..taps {
+    let mut starts = [0; MOST_TAPS];
+    for (tap, start) in starts.iter_mut().enumerate().take(taps) {
         let along = (tap as f32 + 0.5) / taps as f32 - 0.5;
         let (x, y) = (SIDE * at[0] + MARGIN, SIDE * at[1] + MARGIN);
         // The margin keeps sums above zero, and half a pixel rounds to the nearest.
         let column = whole(x as f32 + along * path.right + 0.5) as usize;
         let row = whole(y as f32 + along * path.down + 0.5) as usize;
-        for (light, channel) in light.iter_mut().zip(&planes.channels) {
-            for (y, line) in light.chunks_exact_mut(SIDE).enumerate() {
-                let first = (row + y) * planes.stride + column;
-                let seen = &channel[first..first + SIDE];
-                for (light, seen) in line.iter_mut().zip(seen) {
-                    *light += seen;
-                }
-            }
-        }
+        *start = row * planes.stride + column;
     }
     let share = 1.0 / taps as f32;
-    for channel in &mut light {
-        for value in channel.iter_mut() {
-            *value *= share;
+    let mut light = [[0.0; PIXELS]; 3];
+    for (light, channel) in light.iter_mut().zip(&planes.channels) {
+        // Row by row, so that a sum stays in a register.
+        for (y, line) in light.chunks_exact_mut(SIDE).enumerate() {
+            let mut sum = [0.0; SIDE];
+            for start in &starts[..taps] {
+                let first = start + y * planes.stride;
+                let seen = &channel[first..first + SIDE];
+                for x in 0..SIDE {
+                    sum[x] += seen[x];
+                }
+            }
+            for x in 0..SIDE {
+                line[x] = sum[x] * share;
+            }
         }
     }
     light

@@ -2,8 +2,9 @@
 
 use openbench_core::Pose3;
 use openbench_scene::Sun;
+use openbench_scene::bvh::{LANES, Lane};
 
-use super::block::{BLOCK, Block};
+use super::block::{BLOCK, Block, PACKETS, TILE};
 use super::shade::{HORIZON, ZENITH};
 
 /// Most lamps that light an image: the nearest ones.
@@ -128,14 +129,86 @@ pub(super) struct Faces {
     pub(super) normal: [Block; 3],
 }
 
-/// Adds the light of lamps, which falls with the square of the distance.
+/// Corners of a packet's tile: upper left, upper right, lower left, lower right.
+const CORNERS: [usize; 4] = [0, TILE - 1, LANES - TILE, LANES - 1];
+
+/// Adds the light of lamps, which falls with the square of the distance. Where a packet shows one
+/// triangle, as `uniform` says, it is computed at the corners of the tile and interpolated.
 #[inline(always)]
-pub(super) fn add_lamps(light: &mut [Block; 3], lamps: &[Lamp], faces: &Faces) {
-    let ([px, py, pz], [nx, ny, nz]) = (&faces.at, &faces.normal);
+pub(super) fn add_lamps(
+    light: &mut [Block; 3],
+    lamps: &[Lamp],
+    faces: &Faces,
+    uniform: &[bool; PACKETS],
+) {
+    if lamps.is_empty() {
+        return;
+    }
+    if uniform.contains(&true) {
+        let corner = |lane: usize| LANES * (lane / 4) + CORNERS[lane % 4];
+        let sum = lamplight(lamps, &Places::at(faces, corner));
+        for packet in (0..PACKETS).filter(|packet| uniform[*packet]) {
+            for (light, sum) in light.iter_mut().zip(&sum) {
+                let first = 4 * packet;
+                let corners = [sum[first], sum[first + 1], sum[first + 2], sum[first + 3]];
+                add_between(&mut light[LANES * packet..][..LANES], corners);
+            }
+        }
+    }
+    for packet in (0..PACKETS).filter(|packet| !uniform[*packet]) {
+        let sum = lamplight(lamps, &Places::at(faces, |lane| LANES * packet + lane));
+        for (light, sum) in light.iter_mut().zip(&sum) {
+            for (light, sum) in light[LANES * packet..][..LANES].iter_mut().zip(sum) {
+                *light += sum;
+            }
+        }
+    }
+}
+
+/// Adds to the pixels of a tile what lies between the values at its corners.
+#[inline(always)]
+fn add_between(tile: &mut [f32], [a, b, c, d]: [f32; 4]) {
+    const STEP: f32 = 1.0 / (TILE - 1) as f32;
+    for (lane, value) in tile.iter_mut().enumerate() {
+        let (u, v) = ((lane % TILE) as f32 * STEP, (lane / TILE) as f32 * STEP);
+        let upper = a + u * (b - a);
+        let lower = c + u * (d - c);
+        *value += upper + v * (lower - upper);
+    }
+}
+
+/// Places on surfaces, one in each lane.
+struct Places {
+    at: [Lane; 3],
+    normal: [Lane; 3],
+}
+
+impl Places {
+    #[inline(always)]
+    fn at(faces: &Faces, pixel: impl Fn(usize) -> usize) -> Self {
+        let mut places = Self {
+            at: [[0.0; LANES]; 3],
+            normal: [[0.0; LANES]; 3],
+        };
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                places.at[axis][lane] = faces.at[axis][pixel(lane)];
+                places.normal[axis][lane] = faces.normal[axis][pixel(lane)];
+            }
+        }
+        places
+    }
+}
+
+/// The light of lamps at places, by channel.
+#[inline(always)]
+fn lamplight(lamps: &[Lamp], places: &Places) -> [Lane; 3] {
+    let ([px, py, pz], [nx, ny, nz]) = (&places.at, &places.normal);
+    let mut light = [[0.0; LANES]; 3];
     for lamp in lamps {
-        let mut share = [0.0; BLOCK];
+        let mut share = [0.0; LANES];
         let ([lx, ly, lz], [ax, ay, az]) = (lamp.at, lamp.axis);
-        for i in 0..BLOCK {
+        for i in 0..LANES {
             let (x, y, z) = (lx - px[i], ly - py[i], lz - pz[i]);
             let square = x * x + y * y + z * z;
             let square = if square > NEAREST_SQUARE {
@@ -152,11 +225,12 @@ pub(super) fn add_lamps(light: &mut [Block; 3], lamps: &[Lamp], faces: &Faces) {
             share[i] = facing * inside * inverse * inverse;
         }
         for (light, strength) in light.iter_mut().zip(lamp.strength) {
-            for i in 0..BLOCK {
+            for i in 0..LANES {
                 light[i] += strength * share[i];
             }
         }
     }
+    light
 }
 
 #[cfg(test)]
@@ -182,7 +256,9 @@ mod tests {
                 normal: [[0.0; BLOCK]; 3],
             };
             faces.normal[2] = [1.0; BLOCK];
-            add_lamps(&mut light, &[lamp([0.0, 0.0, height])], &faces);
+            let lamps = [lamp([0.0, 0.0, height])];
+            add_lamps(&mut light, &lamps, &faces, &[true, false, true, false]);
+            assert_eq!(light[0][5], light[0][LANES]);
             light[0][5]
         };
         assert!((below(5.0) - 4.0).abs() < 1e-3 && (below(10.0) - 1.0).abs() < 1e-3);

@@ -12,7 +12,6 @@ use super::lens::Lens;
 use super::planes::LightPlanes;
 use super::radiance::{Lit, Sight};
 use super::shade::{Look, Shader};
-use super::shadows::{Cast, sunlit_by_samples};
 
 /// Where the camera was at an instant.
 #[derive(Debug, Clone, Copy)]
@@ -72,22 +71,11 @@ impl Kernel for Taking<'_> {
                 let directions = directions(shot.lens, [column, row], &above, &below);
                 let block = BlockRays::new(above.origin, directions, shot.range);
                 let hits = seen.cast_block_at(&block.beam, &block.packets, above.lag);
-                let cast = Cast {
-                    seen,
-                    rays: &block.packets,
-                    hits: &hits,
-                    lag: above.lag,
-                };
-                let sunlit = if shot.light.shadows {
-                    sunlit_by_samples(cast, shot.light.towards_sun)
-                } else {
-                    [1.0; BLOCK]
-                };
                 let sight = Sight {
                     origin: above.origin,
                     directions: &block.directions,
                     hits: &hits,
-                    sunlit: &sunlit,
+                    lag: above.lag,
                 };
                 let light = shader.radiance(lit, sight);
                 put(planes, [column, row], &light);

@@ -5,7 +5,8 @@ use openbench_scene::bvh::{LANES, MISS, PacketHits};
 
 use super::block::{BLOCK, Block, PACKETS};
 use super::illumination::{Faces, Illumination, Lamp, add_lamps};
-use super::shade::{Glow, Look, Shader, Surfaces};
+use super::shade::{Glow, Look, Shader, Surfaces, is_uniform};
+use super::shadows::sunlit_by_samples;
 
 /// Share of its own light that wet stone loses.
 const WET_DARKENING: f32 = 0.55;
@@ -28,8 +29,8 @@ pub(super) struct Sight<'a> {
     pub(super) origin: [f32; 3],
     pub(super) directions: &'a [Block; 3],
     pub(super) hits: &'a [PacketHits; PACKETS],
-    /// 0 in the shadow and 1 in the sun.
-    pub(super) sunlit: &'a Block,
+    /// Time of the rays relative to the instant of the movers, seconds.
+    pub(super) lag: f32,
 }
 
 impl Shader {
@@ -96,7 +97,16 @@ impl Shader {
                 faces.at[axis][i] = sight.origin[axis] + surfaces.distance[i] * along[i];
             }
         }
-        let light = falling(lit, &faces, sight.sunlit);
+        let sunlit = if lit.light.shadows {
+            sunlit_by_samples(lit.seen, sight.lag, &faces, lit.light.towards_sun)
+        } else {
+            [1.0; BLOCK]
+        };
+        let mut uniform = [false; PACKETS];
+        for (uniform, hits) in uniform.iter_mut().zip(sight.hits) {
+            *uniform = is_uniform(hits);
+        }
+        let light = falling(lit, &faces, &sunlit, &uniform);
         let glow = self.glow(lit, sight.hits);
         let texture = self.texels(surfaces, &texels);
         let water = self.water(lit, sight, length, &faces, &facing);
@@ -220,7 +230,7 @@ struct Shine {
 
 /// The light that falls on surfaces.
 #[inline(always)]
-fn falling(lit: Lit<'_>, faces: &Faces, sunlit: &Block) -> [Block; 3] {
+fn falling(lit: Lit<'_>, faces: &Faces, sunlit: &Block, uniform: &[bool; PACKETS]) -> [Block; 3] {
     let Illumination {
         towards_sun: [sx, sy, sz],
         sun,
@@ -242,6 +252,6 @@ fn falling(lit: Lit<'_>, faces: &Faces, sunlit: &Block) -> [Block; 3] {
             light[channel][i] = ambient[channel] * from_sky[i] + sun[channel] * direct[i];
         }
     }
-    add_lamps(&mut light, lit.lamps, faces);
+    add_lamps(&mut light, lit.lamps, faces, uniform);
     light
 }

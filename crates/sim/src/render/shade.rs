@@ -165,9 +165,28 @@ impl Shader {
             hit: [false; BLOCK],
         };
         let mut any = false;
-        for i in 0..BLOCK {
-            let (hits, lane) = (&hits[i / LANES], i % LANES);
-            let triangle = hits.triangle[lane];
+        for (packet, hits) in hits.iter().enumerate() {
+            any |= if is_uniform(hits) {
+                self.fill(&mut surfaces, seen, hits, packet)
+            } else {
+                self.gather(&mut surfaces, seen, hits, packet)
+            };
+        }
+        any.then_some(surfaces)
+    }
+
+    /// Looks up what each lane of a packet hit; whether any did.
+    #[inline(always)]
+    fn gather(
+        &self,
+        surfaces: &mut Surfaces,
+        seen: Snapshot<'_>,
+        hits: &PacketHits,
+        packet: usize,
+    ) -> bool {
+        let mut any = false;
+        for lane in 0..LANES {
+            let (i, triangle) = (packet * LANES + lane, hits.triangle[lane]);
             if triangle == MISS {
                 continue;
             }
@@ -186,7 +205,42 @@ impl Shader {
             surfaces.distance[i] = hits.distance[lane];
             surfaces.hit[i] = true;
         }
-        any.then_some(surfaces)
+        any
+    }
+
+    /// The same where all lanes hit one triangle, as in most packets: one look-up is enough.
+    #[inline(always)]
+    fn fill(
+        &self,
+        surfaces: &mut Surfaces,
+        seen: Snapshot<'_>,
+        hits: &PacketHits,
+        packet: usize,
+    ) -> bool {
+        let (triangle, first) = (hits.triangle[0], packet * LANES);
+        if triangle == MISS {
+            return false;
+        }
+        let lanes = first..first + LANES;
+        let facet = &self.facets[triangle as usize];
+        let ink = &self.inks[facet.material as usize];
+        let normal = seen.normal(hits, 0);
+        for (axis, along) in normal.into_iter().enumerate() {
+            surfaces.normal[axis][lanes.clone()].fill(along);
+            surfaces.color[axis][lanes.clone()].fill(ink.color[axis]);
+        }
+        surfaces.density[lanes.clone()].fill(facet.density);
+        surfaces.texture[lanes.clone()].fill(ink.texture);
+        surfaces.distance[lanes.clone()].copy_from_slice(&hits.distance);
+        surfaces.hit[lanes].fill(true);
+        let [a, b, c] = seen.caster.texture_corners(triangle);
+        for (axis, uv) in surfaces.uv.iter_mut().enumerate() {
+            for lane in 0..LANES {
+                let (u, v) = (hits.u[lane], hits.v[lane]);
+                uv[first + lane] = (1.0 - u - v) * a[axis] + u * b[axis] + v * c[axis];
+            }
+        }
+        true
     }
 
     /// How a triangle shines where lamps are lit.
@@ -271,6 +325,17 @@ impl Shader {
         }
         blend(&packed, &corners)
     }
+}
+
+/// Whether all lanes hit one triangle of one mover, or none hit any.
+#[inline(always)]
+pub(super) fn is_uniform(hits: &PacketHits) -> bool {
+    let mut differing = 0;
+    for lane in 0..LANES {
+        differing |= hits.triangle[lane] ^ hits.triangle[0];
+        differing |= hits.mover[lane] ^ hits.mover[0];
+    }
+    differing == 0
 }
 
 /// How each triangle shines where lamps are lit.

@@ -4,6 +4,7 @@ use openbench_scene::bvh::{LANES, Lane, MISS, PacketHits};
 use openbench_scene::{RayPacket, Snapshot};
 
 use super::block::{BLOCK, Block, PACKETS, SIDE, pixel};
+use super::illumination::Faces;
 
 /// Distance from a surface at which a ray towards the sun begins, metres. It keeps the surface
 /// from shadowing itself.
@@ -45,55 +46,98 @@ pub(super) fn sunlit(cast: Cast<'_>, towards: [f32; 3]) -> Block {
     sunlit
 }
 
-/// The same where one pixel of four decides for a block that they agree on: a shadow's edge costs
-/// four times as much as its inside. What is narrower than two pixels may get lost.
+/// The same of surfaces, where one pixel of four decides for a block that they agree on: a shadow's
+/// edge costs four times as much as its inside. What is narrower than two pixels may get lost.
 #[inline(always)]
-pub(super) fn sunlit_by_samples(cast: Cast<'_>, towards: [f32; 3]) -> Block {
-    let mut back = RayPacket::idle();
-    let mut asked = [false; LANES];
+pub(super) fn sunlit_by_samples(
+    seen: Snapshot<'_>,
+    lag: f32,
+    faces: &Faces,
+    towards: [f32; 3],
+) -> Block {
+    let [nx, ny, nz] = &faces.normal;
+    let mut facing = [false; BLOCK];
     let mut any = false;
-    for (sample, asked) in asked.iter_mut().enumerate() {
-        let (column, row) = (sample % (SIDE / SPARSE), sample / (SIDE / SPARSE));
-        let i = pixel(SPARSE * column, SPARSE * row);
-        let (packet, lane) = (i / LANES, i % LANES);
-        if cast.hits[packet].triangle[lane] == MISS || !cast.faces(packet, lane, towards) {
-            continue;
-        }
-        back.set(
-            sample,
-            cast.off_surface(packet, lane),
-            towards,
-            SHADOW_RANGE_M,
-        );
-        (*asked, any) = (true, true);
+    for i in 0..BLOCK {
+        // The sky has no normal, and what turns away from the sun needs no shadow to be dark.
+        facing[i] = nx[i] * towards[0] + ny[i] * towards[1] + nz[i] * towards[2] > 0.0;
+        any |= facing[i];
     }
     if !any {
-        // Sky, or surfaces that face away from the sun, which need no shadow to be dark.
-        return sunlit_if_any(cast, towards);
+        return [1.0; BLOCK];
     }
-    let between = cast.seen.cast_packet(&back, &lags(cast.lag));
+    let mut starts = [[0.0; BLOCK]; 3];
+    for (axis, starts) in starts.iter_mut().enumerate() {
+        for i in 0..BLOCK {
+            starts[i] = faces.at[axis][i] + OFF_SURFACE_M * faces.normal[axis][i];
+        }
+    }
+    let sun = Sunbeams {
+        seen,
+        lag,
+        starts: &starts,
+        facing: &facing,
+        towards,
+    };
+    let mut sampled = [0; LANES];
+    for (sample, i) in sampled.iter_mut().enumerate() {
+        let (column, row) = (sample % (SIDE / SPARSE), sample / (SIDE / SPARSE));
+        *i = pixel(SPARSE * column, SPARSE * row);
+    }
+    let free = sun.free(&sampled);
     let (mut bright, mut dark) = (false, false);
-    for (asked, triangle) in asked.iter().zip(&between.triangle) {
-        bright |= *asked && *triangle == MISS;
-        dark |= *asked && *triangle != MISS;
+    for (free, &i) in free.iter().zip(&sampled) {
+        bright |= facing[i] && *free;
+        dark |= facing[i] && !*free;
     }
     match (bright, dark) {
-        (true, true) => sunlit(cast, towards),
         (true, false) => [1.0; BLOCK],
-        _ => [0.0; BLOCK],
+        (false, true) => [0.0; BLOCK],
+        _ => sun.all(),
     }
 }
 
-/// Where no sample faces the sun, other pixels of the block still may.
-#[inline(always)]
-fn sunlit_if_any(cast: Cast<'_>, towards: [f32; 3]) -> Block {
-    for i in 0..BLOCK {
-        let (packet, lane) = (i / LANES, i % LANES);
-        if cast.hits[packet].triangle[lane] != MISS && cast.faces(packet, lane, towards) {
-            return sunlit(cast, towards);
+/// Rays from the surfaces of a block towards the sun.
+struct Sunbeams<'a> {
+    seen: Snapshot<'a>,
+    lag: f32,
+    starts: &'a [Block; 3],
+    /// Whether a pixel shows a surface that faces the sun.
+    facing: &'a [bool; BLOCK],
+    towards: [f32; 3],
+}
+
+impl Sunbeams<'_> {
+    /// Whether nothing stands between these pixels and the sun.
+    #[inline(always)]
+    fn free(&self, pixels: &[usize; LANES]) -> [bool; LANES] {
+        let mut back = RayPacket::idle();
+        for axis in 0..3 {
+            back.direction[axis] = [self.towards[axis]; LANES];
         }
+        for (lane, &i) in pixels.iter().enumerate() {
+            for axis in 0..3 {
+                back.origin[axis][lane] = self.starts[axis][i];
+            }
+            back.limit[lane] = if self.facing[i] { SHADOW_RANGE_M } else { -1.0 };
+        }
+        self.seen.unobstructed(&back, &lags(self.lag))
     }
-    [1.0; BLOCK]
+
+    #[inline(always)]
+    fn all(&self) -> Block {
+        let mut sunlit = [0.0; BLOCK];
+        for (packet, sunlit) in sunlit.chunks_exact_mut(LANES).enumerate() {
+            let mut pixels = [0; LANES];
+            for (lane, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = packet * LANES + lane;
+            }
+            for (sunlit, free) in sunlit.iter_mut().zip(self.free(&pixels)) {
+                *sunlit = if free { 1.0 } else { 0.0 };
+            }
+        }
+        sunlit
+    }
 }
 
 fn lags(lag: f32) -> Lane {
@@ -114,12 +158,6 @@ impl Cast<'_> {
         } else {
             normal
         }
-    }
-
-    #[inline(always)]
-    fn faces(&self, packet: usize, lane: usize, towards: [f32; 3]) -> bool {
-        let normal = self.normal(packet, lane);
-        normal[0] * towards[0] + normal[1] * towards[1] + normal[2] * towards[2] > 0.0
     }
 
     /// A point just before what a lane hit.
