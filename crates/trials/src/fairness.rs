@@ -67,8 +67,16 @@ pub fn plates_that_are_read(
         fairness.shown += 1;
         let says = plate.lines.join(" ");
         let read = in_order(reader.read(&picture(&plate))?);
-        // The small o of `N.º` is often read as a zero.
-        let (expected, found) = (folded(&says), folded(&read.replace("N.0", "N.")));
+        // The small o of `N.º` is often read as a zero or a large one.
+        let read_so = read.replace("N.0", "N.").replace("N.O", "N.");
+        let found = folded(&read_so);
+        // Typefaces of capitals alone have SS for ß.
+        let capitals = folded(&says.replace('ß', "SS"));
+        let expected = if found == capitals {
+            capitals
+        } else {
+            folded(&says)
+        };
         // Names beside bells follow.
         let with_names = plate.design.make == Make::Bells && found.starts_with(&expected);
         if found != expected && !with_names {

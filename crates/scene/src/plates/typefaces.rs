@@ -177,7 +177,7 @@ static FACES: [Typeface; 44] = [
     face!("stencil-2", Stencil, Test),
     face!("typewriter-1", Typewriter, Training),
     face!("typewriter-2", Typewriter, Test),
-    face!("hand-1", Hand, Training),
+    face!("hand-1", Script, Training),
     face!("hand-2", Hand, Test),
     face!("hand-3", Hand, Training),
     face!("marker-1", Script, Training),

@@ -12,6 +12,10 @@ use super::shadows::sunlit_by_samples;
 const WET_DARKENING: f32 = 0.55;
 /// Share of the mirrored light that a rough, wet road keeps together.
 const MIRROR: f32 = 0.5;
+/// Share of the light that water mirrors at a right angle.
+const WATER_FRESNEL: f32 = 0.02;
+/// The same of a pane, whose faces mirror 4 % each.
+const PANE_FRESNEL: f32 = 0.08;
 
 /// A scene under a light.
 #[derive(Clone, Copy)]
@@ -109,7 +113,7 @@ impl Shader {
         let light = falling(lit, &faces, &sunlit, &uniform);
         let glow = self.glow(lit, sight.hits);
         let texture = self.texels(surfaces, &texels);
-        let water = self.water(lit, sight, length, &faces, &facing);
+        let mirror = self.mirror(lit, sight, length, surfaces, &faces, &facing);
         for channel in 0..3 {
             let horizon = lit.light.horizon[channel];
             for i in 0..BLOCK {
@@ -121,8 +125,8 @@ impl Shader {
                 let clear = if clear > 0.0 { clear } else { 0.0 };
                 let sent = share * share * light[channel][i] + clear * glow.behind[channel][i];
                 // Wet stone is darker, and mirrors the sky.
-                let sent = sent * (1.0 - WET_DARKENING * water.depth[i]);
-                let sent = sent + water.share[i] * (water.sky[channel][i] - sent);
+                let sent = sent * (1.0 - WET_DARKENING * mirror.water[i]);
+                let sent = sent + mirror.share[i] * (mirror.sky[channel][i] - sent);
                 let near = 255.0 * (sent + glow.own[channel][i]).sqrt();
                 let far = near + haze[i] * (horizon - near);
                 let sky = colors[channel][i];
@@ -131,48 +135,65 @@ impl Shader {
         }
     }
 
-    /// The water on paved ground, which mirrors the sky: after Fresnel, in Schlick's form (1994).
+    /// Wet paved ground and panes, which mirror the sky: after Fresnel, in Schlick's form (1994).
     /// Houses are not mirrored.
     #[inline(always)]
-    fn water(
+    fn mirror(
         &self,
         lit: Lit<'_>,
         sight: Sight<'_>,
         length: &Block,
+        surfaces: &Surfaces,
         faces: &Faces,
         facing: &Block,
-    ) -> Water {
-        let mut water = Water {
-            depth: [0.0; BLOCK],
+    ) -> Mirror {
+        let mut mirror = Mirror {
+            water: [0.0; BLOCK],
             share: [0.0; BLOCK],
             sky: [[0.0; BLOCK]; 3],
         };
-        if lit.light.wetness <= 0.0 {
-            return water;
+        let is_wet = lit.light.wetness > 0.0;
+        if !is_wet && !surfaces.any_pane {
+            return mirror;
         }
-        for i in 0..BLOCK {
-            let triangle = sight.hits[i / LANES].triangle[i % LANES];
-            let is_level = faces.normal[2][i] > 0.7;
-            if triangle != MISS && is_level && self.is_paved(triangle) {
-                water.depth[i] = lit.light.wetness;
+        if is_wet {
+            for i in 0..BLOCK {
+                let triangle = sight.hits[i / LANES].triangle[i % LANES];
+                let is_level = faces.normal[2][i] > 0.7;
+                if triangle != MISS && is_level && self.is_paved(triangle) {
+                    mirror.water[i] = lit.light.wetness;
+                }
             }
         }
-        let mut upwards = *sight.directions;
+        let mut mirrored = *sight.directions;
         for i in 0..BLOCK {
-            upwards[2][i] = -upwards[2][i];
+            let pane = if surfaces.pane[i] { 1.0 } else { 0.0 };
+            // Water is level, whatever the ground under it.
+            let normal = [
+                pane * faces.normal[0][i],
+                pane * faces.normal[1][i],
+                pane * faces.normal[2][i] + (1.0 - pane),
+            ];
+            let along = mirrored[0][i] * normal[0]
+                + mirrored[1][i] * normal[1]
+                + mirrored[2][i] * normal[2];
+            for axis in 0..3 {
+                mirrored[axis][i] -= 2.0 * along * normal[axis];
+            }
             let graze = 1.0 - facing[i].abs();
             let square = graze * graze;
-            let fresnel = 0.02 + 0.98 * square * square * graze;
-            water.share[i] = MIRROR * water.depth[i] * fresnel;
+            let steep = WATER_FRESNEL + pane * (PANE_FRESNEL - WATER_FRESNEL);
+            let fresnel = steep + (1.0 - steep) * square * square * graze;
+            mirror.share[i] = fresnel * (pane + (1.0 - pane) * MIRROR * mirror.water[i]);
         }
-        water.sky = lit.light.sky(&upwards, length);
-        for channel in &mut water.sky {
+        mirror.sky = lit.light.sky(&mirrored, length);
+        for channel in &mut mirror.sky {
             for color in channel.iter_mut() {
                 let root = *color * (1.0 / 255.0);
                 *color = root * root;
             }
         }
-        water
+        mirror
     }
 
     /// What lamps and windows shine with.
@@ -210,10 +231,10 @@ impl Shader {
     }
 }
 
-/// Water on the surfaces of a block.
-struct Water {
-    /// 0 where it is dry.
-    depth: Block,
+/// What the surfaces of a block mirror.
+struct Mirror {
+    /// Water on it; 0 where it is dry.
+    water: Block,
     /// Share of the light that it mirrors.
     share: Block,
     /// The light of the sky that it mirrors.

@@ -21,6 +21,8 @@ struct Facet {
     /// Texels of its texture per metre.
     density: f32,
     material: u32,
+    /// Whether it is a pane, which mirrors.
+    pane: bool,
 }
 
 /// A material's colour, 0 to 255, and its texture.
@@ -73,6 +75,9 @@ pub(super) struct Surfaces {
     /// Distance in lengths of the direction.
     pub(super) distance: Block,
     pub(super) hit: [bool; BLOCK],
+    /// Whether it is a pane.
+    pub(super) pane: [bool; BLOCK],
+    pub(super) any_pane: bool,
 }
 
 /// The changes to a surface's own colour.
@@ -91,6 +96,7 @@ impl Shader {
         let facet = |i: usize| Facet {
             density: texel_density(caster, i as u32),
             material: scene.triangles[i].material.0,
+            pane: caster.surface(i as u32).finish == Finish::Glass,
         };
         let ink = |m: &openbench_scene::Material| Ink {
             color: m.color.map(|c| 255.0 * c),
@@ -163,6 +169,8 @@ impl Shader {
             uv: [[0.0; BLOCK]; 2],
             distance: [0.0; BLOCK],
             hit: [false; BLOCK],
+            pane: [false; BLOCK],
+            any_pane: false,
         };
         let mut any = false;
         for (packet, hits) in hits.iter().enumerate() {
@@ -204,6 +212,8 @@ impl Shader {
                 seen.caster.texture_coordinates(&hits.hit(lane));
             surfaces.distance[i] = hits.distance[lane];
             surfaces.hit[i] = true;
+            surfaces.pane[i] = facet.pane;
+            surfaces.any_pane |= facet.pane;
         }
         any
     }
@@ -232,7 +242,9 @@ impl Shader {
         surfaces.density[lanes.clone()].fill(facet.density);
         surfaces.texture[lanes.clone()].fill(ink.texture);
         surfaces.distance[lanes.clone()].copy_from_slice(&hits.distance);
-        surfaces.hit[lanes].fill(true);
+        surfaces.hit[lanes.clone()].fill(true);
+        surfaces.pane[lanes].fill(facet.pane);
+        surfaces.any_pane |= facet.pane;
         let [a, b, c] = seen.caster.texture_corners(triangle);
         for (axis, uv) in surfaces.uv.iter_mut().enumerate() {
             for lane in 0..LANES {
