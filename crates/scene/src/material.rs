@@ -10,11 +10,11 @@ pub struct MaterialId(pub u32);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TextureId(pub u32);
 
-/// Class of a surface.
+/// Class of a surface. Numbers are kept: images of classes and hashes have them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum SemanticClass {
-    /// Bare ground, grass.
+    /// Bare ground, and all ground far away.
     Ground,
     /// Carriageway.
     Road,
@@ -28,7 +28,7 @@ pub enum SemanticClass {
     Plate,
     /// Free-standing walls and fences.
     Wall,
-    /// Trees, hedges.
+    /// Trees, flowers.
     Vegetation,
     /// Cars.
     Vehicle,
@@ -40,6 +40,14 @@ pub enum SemanticClass {
     Kerb,
     /// Anything else.
     Other,
+    /// Lakes, rivers, the sea.
+    Water,
+    /// Lawns and meadows.
+    Grass,
+    /// Clipped hedges, and bushes of the same leaves.
+    Hedge,
+    /// What pixels without a surface show; no surface has it.
+    Sky,
 }
 
 /// An 8-bit RGBA image that repeats in both directions. Row 0 is the top; v = 0 is the bottom, as
@@ -122,6 +130,44 @@ impl SemanticClass {
             Self::Person => "person",
             Self::Kerb => "kerb",
             Self::Other => "other",
+            Self::Water => "water",
+            Self::Grass => "grass",
+            Self::Hedge => "hedge",
+            Self::Sky => "sky",
         }
+    }
+
+    /// The class by what a robot meets there: ground for water and grass, vegetation for hedges.
+    /// Collisions and hashes of worlds have it, which are those of versions with fewer classes.
+    pub fn coarse(self) -> Self {
+        match self {
+            Self::Water | Self::Grass => Self::Ground,
+            Self::Hedge => Self::Vegetation,
+            class => class,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SemanticClass;
+
+    #[test]
+    fn numbers_of_classes_stay() {
+        assert_eq!(SemanticClass::Ground as u8, 0);
+        assert_eq!(SemanticClass::Other as u8, 12);
+        assert_eq!(SemanticClass::Sky as u8, 16);
+    }
+
+    #[test]
+    fn what_is_coarse_stays() {
+        for class in [
+            SemanticClass::Grass,
+            SemanticClass::Hedge,
+            SemanticClass::Wall,
+        ] {
+            assert_eq!(class.coarse(), class.coarse().coarse());
+        }
+        assert_eq!(SemanticClass::Water.coarse(), SemanticClass::Ground);
     }
 }

@@ -66,7 +66,7 @@ pub struct SolidMesh {
     pub positions: Vec<[f32; 3]>,
     /// Indices into `positions`.
     pub triangles: Vec<[u32; 3]>,
-    /// Class of each triangle.
+    /// [Coarse](SemanticClass::coarse) class of each triangle.
     pub classes: Vec<SemanticClass>,
 }
 
@@ -357,7 +357,7 @@ impl SceneBuilder {
             .scene
             .materials
             .get(material.0 as usize)
-            .map_or(SemanticClass::Other, |m| m.class);
+            .map_or(SemanticClass::Other, |m| m.class.coarse());
         let solid = &mut self.scene.solid;
         let base = solid.positions.len() as u32;
         solid

@@ -291,7 +291,8 @@ fn all_classes_are_present_and_corners_are_finite() {
         .collect();
     assert!(classes.is_superset(&used));
     for class in [
-        SemanticClass::Ground,
+        SemanticClass::Grass,
+        SemanticClass::Hedge,
         SemanticClass::Road,
         SemanticClass::Pavement,
         SemanticClass::Building,

@@ -225,7 +225,7 @@ fn no_robot_gets_into_the_sea_but_a_pier_leads_out() {
                 .class,
         )
     };
-    assert_eq!(depth(-30.3, -50.2), (-0.5, SemanticClass::Ground));
+    assert_eq!(depth(-30.3, -50.2), (-0.5, SemanticClass::Water));
     let below = caster
         .visible()
         .cast([-30.3, -50.2, -0.6], [0.0, 0.0, -1.0], 100.0);

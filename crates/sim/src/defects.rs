@@ -93,7 +93,7 @@ impl Mount {
 
 /// Friction of rubber on a dry surface, relative to that on asphalt.
 pub(crate) fn grip(class: SemanticClass) -> f64 {
-    match class {
+    match class.coarse() {
         // Grass and bare ground. Wong, Theory of Ground Vehicles, lists 0.68 on dry and 0.55 on
         // wet earth, and 0.8 to 0.9 on asphalt.
         SemanticClass::Ground | SemanticClass::Vegetation => 0.7,

@@ -139,7 +139,7 @@ fn visible(parts: &mut Parts, scene: &Scene) {
     parts.length(scene.objects.len());
     for object in &scene.objects {
         parts.text(&object.name);
-        parts.0.update(&[object.class as u8]);
+        parts.0.update(&[object.class.coarse() as u8]);
     }
     parts.length(scene.object_numbers.len());
     parts.numbers(&scene.object_numbers);
@@ -153,7 +153,7 @@ fn material(parts: &mut Parts, material: &Material) {
     parts.numbers(&[material.texture.map_or(u32::MAX, |texture| texture.0)]);
     parts.0.update(&[
         u8::from(material.cutout),
-        material.class as u8,
+        material.class.coarse() as u8,
         material.reflectivity,
     ]);
 }

@@ -21,9 +21,6 @@ use super::show_conditions;
 use crate::args::ShowArgs;
 use crate::outcome::{Outcome, say, tell};
 
-/// What the sky has in images of classes and instances.
-const BLACK: [u8; 3] = [0; 3];
-
 /// Draws a world.
 pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
     let mut conditions = Conditions::default();
@@ -144,10 +141,7 @@ fn write_labels(args: &ShowArgs, labels: &Labels, scene: &Scene) -> anyhow::Resu
         write_atomically(path, &png)?;
     }
     if let Some(path) = &args.classes {
-        let colors = labels
-            .class
-            .iter()
-            .map(|class| class.map_or(BLACK, color_of_class));
+        let colors = classes(labels).map(color_of_class);
         write_colors(path, labels.size, colors)?;
         write_legend(path, legend_of_classes(labels))?;
     }
@@ -195,15 +189,18 @@ fn millimetres(depth: f32) -> u16 {
     }
 }
 
+/// The class of each pixel; that of the sky where nothing is seen.
+fn classes(labels: &Labels) -> impl Iterator<Item = SemanticClass> {
+    let sky = SemanticClass::Sky;
+    labels.class.iter().map(move |class| class.unwrap_or(sky))
+}
+
 fn legend_of_classes(labels: &Labels) -> serde_json::Value {
-    let mut pixels: BTreeMap<Option<SemanticClass>, u64> = BTreeMap::new();
-    labels
-        .class
-        .iter()
-        .for_each(|class| *pixels.entry(*class).or_default() += 1);
-    let entry = |(class, pixels): (&Option<SemanticClass>, &u64)| {
-        let (name, color) = class.map_or(("sky", BLACK), |c| (c.name(), color_of_class(c)));
-        json!({ "name": name, "color": hex(color), "pixels": pixels })
+    let mut pixels: BTreeMap<SemanticClass, u64> = BTreeMap::new();
+    classes(labels).for_each(|class| *pixels.entry(class).or_default() += 1);
+    let entry = |(class, pixels): (&SemanticClass, &u64)| {
+        let color = hex(color_of_class(*class));
+        json!({ "name": class.name(), "color": color, "pixels": pixels })
     };
     json!({ "classes": pixels.iter().map(entry).collect::<Vec<_>>() })
 }
@@ -252,6 +249,10 @@ fn color_of_class(class: SemanticClass) -> [u8; 3] {
         SemanticClass::Person => [220, 20, 60],
         SemanticClass::Kerb => [196, 196, 196],
         SemanticClass::Other => [0, 130, 180],
+        SemanticClass::Water => [0, 60, 220],
+        SemanticClass::Grass => [60, 190, 60],
+        SemanticClass::Hedge => [20, 90, 20],
+        SemanticClass::Sky => [70, 130, 180],
     }
 }
 
@@ -344,7 +345,7 @@ mod tests {
     fn every_number_has_a_colour_of_its_own() {
         let colors: std::collections::BTreeSet<_> = (0..200_000).map(color_of_number).collect();
         assert_eq!(colors.len(), 200_000);
-        assert_eq!(color_of_number(0), BLACK);
+        assert_eq!(color_of_number(0), [0; 3]);
     }
 
     #[test]

@@ -132,7 +132,8 @@ impl<'a> Surroundings<'a> {
                 .caster
                 .cast(origin, single(direction), limit - passed as f32)?;
             hit.distance += passed as f32;
-            if self.caster.material(hit.triangle).class != SemanticClass::Vegetation {
+            let class = self.caster.material(hit.triangle).class;
+            if class.coarse() != SemanticClass::Vegetation {
                 return Some(hit);
             }
             // Beyond this leaf, or the next ray would hit it again.

@@ -50,7 +50,7 @@ enum Build {
 impl Build {
     fn class(self) -> SemanticClass {
         match self {
-            Self::Hedge(_) => SemanticClass::Vegetation,
+            Self::Hedge(_) => SemanticClass::Hedge,
             Self::Kerb { .. } => SemanticClass::Kerb,
             _ => SemanticClass::Wall,
         }

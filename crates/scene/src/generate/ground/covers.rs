@@ -21,7 +21,12 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
         // An area may reach into the world from far away; one that does not is not triangulated.
         if inputs.extent.meets(polygon.bounds(), GROUND_MARGIN_M) {
             let name = area.tags.get("name").unwrap_or("area").to_owned();
-            out.scene.begin_object(name, SemanticClass::Ground);
+            let class = if is_water(&area.tags) {
+                SemanticClass::Water
+            } else {
+                SemanticClass::Ground
+            };
+            out.scene.begin_object(name, class);
             floor(
                 &mut out.scene,
                 surface,

@@ -27,7 +27,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
     let Bounds { low, high } = rim;
     let grass = inputs.palette.grass;
     let scene = &mut out.scene;
-    scene.begin_object("ground", SemanticClass::Ground);
+    scene.begin_object("ground", SemanticClass::Grass);
     let east = Vector3::x() * (high.x - low.x);
     let north = Vector3::y() * (high.y - low.y);
     let repeat = [(east.x / grass.tile) as f32, (north.y / grass.tile) as f32];
@@ -55,7 +55,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
             repeat,
         );
     }
-    scene.begin_object("sea", SemanticClass::Ground);
+    scene.begin_object("sea", SemanticClass::Water);
     for part in &inputs.sea {
         let level = if is_cut_out { SEA_LEVEL_M } else { Z_SEA_M };
         floor(scene, inputs.palette.water, &part.outer, &part.holes, level);

@@ -276,7 +276,7 @@ impl Palette {
                 .copied()
                 .collect(),
             facades,
-            grass: m.surface(C::Ground, [1.0; 3], 90, Some(tiled(grass, 2.4))),
+            grass: m.surface(C::Grass, [1.0; 3], 90, Some(tiled(grass, 2.4))),
             asphalt: m.surface(C::Road, [0.37, 0.37, 0.39], 22, Some(tiled(grit, 1.8))),
             worn_asphalt: m.surface(C::Road, [0.47, 0.46, 0.45], 26, Some(tiled(grit, 2.5))),
             paving: m.surface(C::Pavement, [0.76, 0.74, 0.70], 55, Some(tiled(slabs, 1.8))),
@@ -289,7 +289,7 @@ impl Palette {
             path: m.surface(C::Pavement, [0.72, 0.62, 0.52], 50, Some(tiled(setts, 2.2))),
             gravel: m.surface(C::Pavement, [0.78, 0.73, 0.64], 60, Some(tiled(grit, 2.0))),
             earth: m.surface(C::Ground, [1.0; 3], 45, Some(tiled(earth, 1.5))),
-            water: m.surface(C::Ground, [0.25, 0.38, 0.45], 5, Some(tiled(ripples, 12.0))),
+            water: m.surface(C::Water, [0.25, 0.38, 0.45], 5, Some(tiled(ripples, 12.0))),
             quay: m.surface(C::Wall, [0.74, 0.71, 0.66], 70, Some(tiled(stones, 1.6))),
             hills: m.surface(
                 C::Ground,
@@ -379,12 +379,7 @@ impl Palette {
                 .to_vec(),
             railings: m.cutout(C::Wall, [0.20, 0.21, 0.22], 40, tiled(railings, 1.2)),
             balcony_railings: m.cutout(C::Building, [0.24, 0.25, 0.27], 40, tiled(railings, 1.0)),
-            hedge: m.surface(
-                C::Vegetation,
-                [0.52, 0.62, 0.46],
-                110,
-                Some(tiled(foliage, 1.2)),
-            ),
+            hedge: m.surface(C::Hedge, [0.52, 0.62, 0.46], 110, Some(tiled(foliage, 1.2))),
             flowers: [
                 [0.95, 0.62, 0.72],
                 [1.0, 0.92, 0.50],
