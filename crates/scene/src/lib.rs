@@ -13,6 +13,7 @@
 //! | [`generate`](mod@generate) | worlds from an OSM file and a seed |
 //! | [`plate`] | number plates of published worlds |
 //! | [`plates`] | door plates of real streets |
+//! | [`scenery`] | how much streets differ |
 //! | `world` | [`World`]: a scene with its public map, georeference and start |
 //! | `beyond` | ground around the drawn ground |
 //! | `triangulate` | triangulation of an outline with holes |
@@ -27,6 +28,7 @@ pub mod plate;
 pub mod plates;
 mod raycast;
 mod scene;
+pub mod scenery;
 mod triangulate;
 mod world;
 

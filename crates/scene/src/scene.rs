@@ -153,6 +153,8 @@ pub struct Scene {
     pub solid: SolidMesh,
     /// Doors in a fixed order.
     pub doors: Vec<Door>,
+    /// Outlines of places without ground: light wells.
+    pub pits: Vec<Vec<MapPoint>>,
     /// Light.
     pub sun: Sun,
     /// The ground that the world covers, where that is known. There is ground beyond it, but no
@@ -292,6 +294,21 @@ impl SceneBuilder {
         MaterialId(self.scene.materials.len() as u32 - 1)
     }
 
+    /// A material with the image of another, in another colour.
+    pub(crate) fn tinted(
+        &mut self,
+        material: MaterialId,
+        color: [f32; 3],
+        reflectivity: u8,
+    ) -> MaterialId {
+        let like = self.scene.materials[material.0 as usize].clone();
+        self.material(Material {
+            color,
+            reflectivity,
+            ..like
+        })
+    }
+
     /// Brightness of a material with its image, 0 to 1; that of some of its texels.
     pub(crate) fn brightness(&self, material: MaterialId) -> f32 {
         const SAMPLES: usize = 64;
@@ -393,6 +410,11 @@ impl SceneBuilder {
     /// Adds a door. Its plate is added separately.
     pub fn door(&mut self, door: Door) {
         self.scene.doors.push(door);
+    }
+
+    /// Adds the outline of a place without ground. Its walls and floor are added separately.
+    pub fn pit(&mut self, outline: &[MapPoint]) {
+        self.scene.pits.push(outline.to_vec());
     }
 
     /// Sets the light.

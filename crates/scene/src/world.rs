@@ -5,6 +5,7 @@ use openbench_osm::OsmData;
 
 use crate::plates::DrawnPlates;
 use crate::scene::Scene;
+use crate::scenery::DrawnScenery;
 
 /// If the start is farther than this from the origin of its frame, the origin is moved, metres.
 /// Triangles are in single precision, which resolves 0.03 mm here, and 0.12 mm four times as far
@@ -28,6 +29,8 @@ pub struct World {
     pub attribution: Vec<String>,
     /// The plates that were drawn as in streets; `None` if all are as in the published worlds.
     pub plates: Option<DrawnPlates>,
+    /// What was drawn to make streets differ; `None` if nothing was.
+    pub scenery: Option<DrawnScenery>,
     /// What import or generation left out.
     pub warnings: Vec<String>,
 }

@@ -1,12 +1,15 @@
 //! Worlds with door plates as in streets: what changes, and what does not.
 
 use openbench_scene::World;
-use openbench_scene::generate::{PlateOptions, builtin, builtin_with};
+use openbench_scene::generate::{PlateOptions, WorldConditions, builtin, builtin_with};
 use openbench_scene::plates::{Facts, StreetPlates};
 
 fn world(name: &str, shares: StreetPlates, seed: u64) -> World {
-    let plates = PlateOptions { shares, seed };
-    builtin_with(name, 1, plates).unwrap().unwrap()
+    let conditions = WorldConditions {
+        plates: PlateOptions { shares, seed },
+        ..WorldConditions::default()
+    };
+    builtin_with(name, 1, conditions).unwrap().unwrap()
 }
 
 #[test]

@@ -107,6 +107,7 @@ impl FinishedRun<'_> {
             drawn_lens: drawn_lens(prepared),
             drawn_light: prepared.surroundings.light,
             drawn_plates: prepared.world.plates.clone(),
+            drawn_scenery: prepared.world.scenery.clone(),
             memory: record.memory.clone(),
             metrics: summarize(&deliveries, &totals),
             episodes: deliveries::score_episodes(prepared, traces),

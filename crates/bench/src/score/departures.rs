@@ -55,6 +55,12 @@ pub fn departures(results: &Results) -> Vec<String> {
             .as_ref()
             .map(|plates| plates.describe()),
     );
+    lines.extend(
+        results
+            .drawn_scenery
+            .as_ref()
+            .map(|scenery| scenery.describe()),
+    );
     lines.extend(unmapped(results));
     lines.extend(fallbacks(results));
     lines.extend(failed_calls(results));

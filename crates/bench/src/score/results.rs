@@ -10,6 +10,7 @@ use std::path::Path;
 use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, Start, Work, input};
 use openbench_osm::disturb::MapState;
 use openbench_scene::plates::DrawnPlates;
+use openbench_scene::scenery::DrawnScenery;
 use openbench_sim::traffic::TrafficPlan;
 use openbench_sim::{Daylight, Defects, LensBuild};
 use serde::{Deserialize, Serialize};
@@ -73,6 +74,9 @@ pub struct Results {
     /// The plates that were drawn as in streets; absent if all are as in the published worlds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_plates: Option<DrawnPlates>,
+    /// What was drawn to make streets differ; absent if nothing was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn_scenery: Option<DrawnScenery>,
     /// The doors from earlier runs that the agent knew; absent without a memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<MemoryUse>,
@@ -530,6 +534,7 @@ pub(crate) mod tests {
             drawn_lens: None,
             drawn_light: None,
             drawn_plates: None,
+            drawn_scenery: None,
             memory: None,
             metrics: Metrics::default(),
             episodes: vec![],

@@ -30,7 +30,7 @@ pub mod truth_file;
 use std::path::{Path, PathBuf};
 
 use openbench_core::Address;
-use openbench_scene::generate::PlateOptions;
+use openbench_scene::generate::WorldConditions;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
@@ -176,12 +176,9 @@ impl Suite {
         Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
     }
 
-    /// The plates of the world with the suite's seed.
-    pub fn plates(&self) -> PlateOptions {
-        PlateOptions {
-            shares: self.conditions.plates,
-            seed: self.seed,
-        }
+    /// What the conditions change in the world with the suite's seed.
+    pub fn world_conditions(&self) -> WorldConditions {
+        self.conditions.of_world(self.seed)
     }
 
     /// Whether maps, their frames, robots or surroundings of this suite differ from seed to seed.

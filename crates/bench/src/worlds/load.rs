@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use openbench_core::Georeference;
 use openbench_neighbourhoods::{Kind, draw};
 use openbench_scene::World;
-use openbench_scene::generate::{self, PlateOptions};
+use openbench_scene::generate::{self, WorldConditions};
 use openbench_scene::{ImportRequest, import_world};
 
 use super::places::Place;
@@ -19,29 +19,35 @@ use crate::suite::builtin::builtin_suites;
 /// # Errors
 /// An unknown name, a file that cannot be used, or a world that cannot be built.
 pub fn load(source: &WorldSource) -> Result<World, BenchError> {
-    load_with(source, PlateOptions::default())
+    load_with(source, WorldConditions::default())
 }
 
-/// Builds a world with other door plates.
+/// Builds a world under conditions.
 ///
 /// # Errors
-/// As [`load`], and [`BenchError::World`] for plates in an imported world: where its plates hang is
-/// part of it.
-pub fn load_with(source: &WorldSource, plates: PlateOptions) -> Result<World, BenchError> {
+/// As [`load`], and [`BenchError::World`] for conditions that change an imported world: where its
+/// plates hang, and what stands in its streets, is part of it.
+pub fn load_with(source: &WorldSource, conditions: WorldConditions) -> Result<World, BenchError> {
     let is_imported = match source {
         WorldSource::Imported { .. } => true,
         WorldSource::Folder { path } => Recipe::read(path)?.is_imported(),
         WorldSource::Builtin { .. } | WorldSource::Drawn { .. } => false,
     };
-    if is_imported && plates.shares.real {
+    if is_imported && !conditions.scenery.amounts.is_plain() {
+        return Err(BenchError::world(
+            "scenery: an imported world keeps its own streets; leave the condition `scenery` out, \
+             or generate a world from the map (openbench world generate)",
+        ));
+    }
+    if is_imported && conditions.plates.shares.real {
         return Err(BenchError::world(
             "plates: an imported world keeps its own plates; leave the condition `plates` out, or \
              generate a world from the map (openbench world generate)",
         ));
     }
     match source {
-        WorldSource::Builtin { name, seed } => builtin(name, *seed, plates),
-        WorldSource::Drawn { kind, seed } => drawn(kind, *seed, plates),
+        WorldSource::Builtin { name, seed } => builtin(name, *seed, conditions),
+        WorldSource::Drawn { kind, seed } => drawn(kind, *seed, conditions),
         WorldSource::Imported {
             world,
             map,
@@ -53,23 +59,23 @@ pub fn load_with(source: &WorldSource, plates: PlateOptions) -> Result<World, Be
             models.clone(),
             georeference.as_deref(),
         ),
-        WorldSource::Folder { path } => Recipe::read(path)?.build_with(path, plates),
+        WorldSource::Folder { path } => Recipe::read(path)?.build_with(path, conditions),
     }
 }
 
-fn builtin(name: &str, seed: u64, plates: PlateOptions) -> Result<World, BenchError> {
+fn builtin(name: &str, seed: u64, conditions: WorldConditions) -> Result<World, BenchError> {
     let unknown = || BenchError::UnknownSuite {
         name: name.to_owned(),
         known: builtin_suites(),
     };
     if let Some(place) = Place::named(name) {
-        return place.world(seed, plates);
+        return place.world(seed, conditions);
     }
-    let world = generate::builtin_with(name, seed, plates).ok_or_else(unknown)?;
+    let world = generate::builtin_with(name, seed, conditions).ok_or_else(unknown)?;
     world.map_err(BenchError::world)
 }
 
-fn drawn(kind: &str, seed: u64, plates: PlateOptions) -> Result<World, BenchError> {
+fn drawn(kind: &str, seed: u64, conditions: WorldConditions) -> Result<World, BenchError> {
     let kind: Kind = kind.parse().map_err(BenchError::world)?;
     let here = draw(kind, seed);
     let options = generate::GenerateOptions {
@@ -78,8 +84,7 @@ fn drawn(kind: &str, seed: u64, plates: PlateOptions) -> Result<World, BenchErro
         // The map has all doors.
         invent_doors: false,
         attribution: vec![here.attribution()],
-        plates,
-        ..generate::GenerateOptions::default()
+        ..generate::GenerateOptions::default().with(conditions)
     };
     let world = generate::generate(&here.map, here.georeference, seed, &options);
     world.map_err(BenchError::world)
@@ -107,26 +112,38 @@ fn imported(
 
 #[cfg(test)]
 mod tests {
+    use openbench_scene::generate::{PlateOptions, SceneryOptions};
     use openbench_scene::plates::StreetPlates;
+    use openbench_scene::scenery::Scenery;
 
     use super::*;
 
     #[test]
-    fn an_imported_world_keeps_its_plates() {
+    fn an_imported_world_keeps_its_plates_and_streets() {
         let source = WorldSource::Imported {
             world: "any.world".into(),
             map: "any.osm".into(),
             models: Vec::new(),
             georeference: None,
         };
-        let plates = PlateOptions {
-            shares: StreetPlates::REAL,
-            seed: 1,
+        let plates = WorldConditions {
+            plates: PlateOptions {
+                shares: StreetPlates::REAL,
+                seed: 1,
+            },
+            ..WorldConditions::default()
         };
-        let error = load_with(&source, plates).unwrap_err().to_string();
-        assert!(
-            error.contains("leave the condition `plates` out"),
-            "{error}"
-        );
+        let scenery = WorldConditions {
+            scenery: SceneryOptions {
+                amounts: Scenery::VARIED,
+                seed: 1,
+            },
+            ..WorldConditions::default()
+        };
+        for (conditions, name) in [(plates, "plates"), (scenery, "scenery")] {
+            let error = load_with(&source, conditions).unwrap_err().to_string();
+            let expected = format!("leave the condition `{name}` out");
+            assert!(error.contains(&expected), "{error}");
+        }
     }
 }

@@ -131,7 +131,7 @@ impl Prepared {
     /// Builds the world of a suite. Which buildings the public map spares is not known before the
     /// episodes are.
     fn with_true_map(suite: Suite) -> Result<Self, BenchError> {
-        let world = load_with(&suite.world, suite.plates())?;
+        let world = load_with(&suite.world, suite.world_conditions())?;
         let mut robot = suite.sensors.robot();
         robot.camera_intrinsics.distortion = suite.conditions.camera.distortion();
         let surroundings = surroundings(&world, &suite.conditions, suite.seed);

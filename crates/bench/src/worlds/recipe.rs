@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use openbench_core::{Georeference, Pose2, input};
 use openbench_osm::OsmData;
 use openbench_scene::World;
-use openbench_scene::generate::{GenerateOptions, PlateOptions, generate};
+use openbench_scene::generate::{GenerateOptions, WorldConditions, generate};
 use openbench_scene::{ImportRequest, import_world};
 use serde::{Deserialize, Serialize};
 
@@ -99,7 +99,7 @@ impl Recipe {
     /// # Errors
     /// A georeference or map that cannot be read, or a world that cannot be built.
     pub fn build(&self, folder: &Path) -> Result<World, BenchError> {
-        self.build_with(folder, PlateOptions::default())
+        self.build_with(folder, WorldConditions::default())
     }
 
     /// Whether the world was made elsewhere.
@@ -107,11 +107,15 @@ impl Recipe {
         matches!(self, Self::Imported { .. })
     }
 
-    /// Builds the world with other door plates; imported worlds keep their own.
+    /// Builds the world under conditions; imported worlds stay as they are.
     ///
     /// # Errors
     /// As [`build`](Self::build).
-    pub fn build_with(&self, folder: &Path, plates: PlateOptions) -> Result<World, BenchError> {
+    pub fn build_with(
+        &self,
+        folder: &Path,
+        conditions: WorldConditions,
+    ) -> Result<World, BenchError> {
         let recipe = folder.join(RECIPE);
         let place = |words: &str| {
             words
@@ -127,10 +131,7 @@ impl Recipe {
             } => {
                 let data = read_map(&folder.join(map))?;
                 // Always present: only imported worlds have none.
-                let options = GenerateOptions {
-                    plates,
-                    ..self.options().unwrap_or_default()
-                };
+                let options = self.options().unwrap_or_default().with(conditions);
                 generate(&data, place(georeference)?, *seed, &options).map_err(BenchError::world)?
             }
             Self::Imported {

@@ -12,7 +12,6 @@ use openbench_bench::worlds::{load_with, source_named};
 use openbench_bench::{TrafficPlan, WorldSource};
 use openbench_core::{Image, Pose2, Pose3, RobotDescription, Velocity};
 use openbench_osm::{OsmMap, write_atomically};
-use openbench_scene::generate::PlateOptions;
 use openbench_scene::{Movers, RayCaster, Scene, SemanticClass, World, ground_height};
 use openbench_sim::{ImageSize, Labels, Simulator, Stage, View};
 use serde_json::json;
@@ -28,11 +27,7 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
         let set = conditions.set(key, value);
         set.with_context(|| format!("--condition {key}={value}"))?;
     }
-    let plates = PlateOptions {
-        shares: conditions.plates,
-        seed: args.seed,
-    };
-    let world = load_with(&source(args)?, plates)?;
+    let world = load_with(&source(args)?, conditions.of_world(args.seed))?;
     world.warnings.iter().for_each(|w| tell(w));
     let plan = TrafficPlan {
         pedestrians: args.pedestrians.into(),
@@ -77,6 +72,7 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
 fn is_of_world(conditions: &Conditions) -> bool {
     let seen = Conditions {
         plates: Default::default(),
+        scenery: Default::default(),
         ..*conditions
     };
     seen.are_off()

@@ -4,7 +4,7 @@
 //! is free when a disc about the footprint fits there, by the exact Euclidean distance transform
 //! (Felzenszwalb and Huttenlocher, *Distance Transforms of Sampled Functions*, 2012). Shortest
 //! paths are any-angle: the octile paths of a grid are up to 8 % too long. A world has one ground
-//! level; ramps are ignored.
+//! level; ramps are ignored. Places without ground are blocked.
 
 mod any_angle;
 mod slices;
@@ -81,7 +81,7 @@ impl FreeSpace {
             let corners = t.map(|i| solid.positions[i as usize].map(f64::from));
             slice(corners, ground + BODY_LOW_M, ground + BODY_HIGH_M)
         });
-        let polygons: Vec<Vec<MapPoint>> = slices.collect();
+        let polygons: Vec<Vec<MapPoint>> = slices.chain(scene.pits.iter().cloned()).collect();
         let doors: Vec<MapPoint> = scene.doors.iter().map(Door::point).collect();
         let point = |p: &[f32; 3]| MapPoint::new(f64::from(p[0]), f64::from(p[1]));
         // A generated scene has solid ground far beyond what is drawn; its extent leaves that out.

@@ -13,6 +13,7 @@ use super::layout::features::{Feature, TreeRow};
 use super::layout::lanes::Lanes;
 use super::materials::palette::Palette;
 use super::options::GenerateOptions;
+use super::scenery::relief::Relief;
 
 /// The inputs of all generators.
 pub(super) struct Inputs<'a> {
@@ -33,6 +34,8 @@ pub(super) struct Inputs<'a> {
     pub extent: Bounds,
     /// What the map, the doors and the start keep free.
     pub clearance: Clearance,
+    /// Steps, ramps and light wells.
+    pub relief: Relief,
     pub palette: Palette,
     pub seed: u64,
     pub options: &'a GenerateOptions,

@@ -6,7 +6,7 @@
 //! repaint the houses. The same map, seed and options give the same bytes on every machine.
 //!
 //! The ground is level: slopes, bridges and tunnels are left out, and kerbs are raised where the
-//! map has them as lines of their own (`barrier=kerb`). A robot cannot get into water: a low wall
+//! map has them as lines of their own (`barrier=kerb`), and where the scenery has them. A robot cannot get into water: a low wall
 //! goes around it.
 //!
 //! A world is generated in three stages. `Inputs` are computed of the map and then immutable.
@@ -30,6 +30,7 @@
 //! | `buildings`, `doors` | walls, windows, roofs; doors with addresses and plates |
 //! | `barriers` | walls, fences, kerbs, and gates in them |
 //! | `furniture`, `greenery` | lamps, benches, bins; trees, shrubs, hedges |
+//! | `scenery` | what makes streets differ: varied ground, things in the way, steps, kerbs |
 
 mod barriers;
 mod buildings;
@@ -45,6 +46,7 @@ mod layout;
 mod materials;
 mod options;
 mod output;
+mod scenery;
 mod seeds;
 mod shapes;
 mod streets;
@@ -56,7 +58,7 @@ use openbench_osm::{OsmData, OsmMap, renumbered, without_doors};
 
 pub use builtin::{builtin, builtin_georeference, builtin_names, builtin_with};
 pub use error::GenerateError;
-pub use options::{GenerateOptions, PlateOptions};
+pub use options::{GenerateOptions, PlateOptions, SceneryOptions, WorldConditions};
 pub use streets::car::car_figure;
 
 use crate::scene::SceneBuilder;
@@ -70,6 +72,7 @@ use layout::occupied::Occupied;
 use layout::{features, keep_free, start};
 use materials::palette::Palette;
 use output::{Limits, Output};
+use scenery::relief::{Relief, Site};
 use water::{coast, quays};
 
 /// Above so many buildings windows lose their sills and hedges their dents: a town has a hundred
@@ -78,9 +81,12 @@ const MOST_DETAILED: usize = 400;
 
 /// Things that are built where the map has them, in this order, even if they overlap. Triangles and
 /// the numbers of objects follow this order, so another order makes another world.
-const FIXED: [fn(&Inputs, &mut Output); 10] = [
+const FIXED: [fn(&Inputs, &mut Output); 13] = [
     ground::terrain::build,
     ground::horizon::build,
+    scenery::grounds::build,
+    scenery::wells::build,
+    scenery::steps::build,
     ground::aprons::build,
     ground::covers::build,
     streets::roads::build,
@@ -93,7 +99,7 @@ const FIXED: [fn(&Inputs, &mut Output); 10] = [
 
 /// Things that give way to what the map keeps free and to objects that were placed before; in this
 /// order. Mapped things come first: what the seed adds gives way to them.
-const PLACED: [fn(&Inputs, &mut Occupied, &mut Output); 10] = [
+const PLACED: [fn(&Inputs, &mut Occupied, &mut Output); 12] = [
     furniture::mapped::build,
     greenery::mapped_trees::build,
     greenery::tree_rows::build,
@@ -103,8 +109,10 @@ const PLACED: [fn(&Inputs, &mut Occupied, &mut Output); 10] = [
     greenery::shrubs::build,
     greenery::backdrop::build,
     greenery::planting::build,
-    // Last, so that no other thing moves where a world gets signs.
+    // Late, so that no other thing moves where a world gets signs, or things in the way.
     furniture::signs::build,
+    scenery::kerbs::build,
+    scenery::clutter::build,
 ];
 
 /// Generates a world of a map: scene, doors, public map without doors, start.
@@ -227,10 +235,20 @@ fn generate_within(
         }
     };
     keep_free::add_start(&mut clearance, start.point());
+    let features = features::features(data, &map);
+    let relief = Relief::plan(&Site {
+        map: &map,
+        clearance: &clearance,
+        doorways: &doorways,
+        features: &features,
+        options: &options.scenery,
+        has_sea: !sea.is_empty(),
+    });
+    relief.keep_free(&mut clearance);
     let mut scene = SceneBuilder::new();
     let inputs = Inputs {
         neighbourhood: Neighbourhood::of(&map, &doorways),
-        features: features::features(data, &map),
+        features,
         tree_rows: features::tree_rows(data, &map),
         palette: Palette::new(&mut scene, seed),
         detailed: map.buildings.len() <= MOST_DETAILED,
@@ -241,6 +259,7 @@ fn generate_within(
         lanes,
         extent,
         clearance,
+        relief,
         seed,
         options,
     };
@@ -251,6 +270,7 @@ fn generate_within(
     }
     // From here on each thing records its ground, and later ones keep off it.
     let mut occupied = Occupied::new(&inputs.clearance);
+    inputs.relief.occupy(&mut occupied);
     for build in PLACED {
         build(&inputs, &mut occupied, &mut out);
     }
@@ -264,6 +284,7 @@ fn generate_within(
         start,
         attribution: options.attribution.clone(),
         plates: finished.plates.filter(|_| options.plates.shares.real),
+        scenery: Some(finished.scenery).filter(|_| !options.scenery.amounts.is_plain()),
         warnings: finished.warnings,
     })
 }

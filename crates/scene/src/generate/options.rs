@@ -3,6 +3,7 @@
 use openbench_core::Pose2;
 
 use crate::plates::StreetPlates;
+use crate::scenery::Scenery;
 
 /// What a map leaves open.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +21,8 @@ pub struct GenerateOptions {
     pub invent_doors: bool,
     /// What door plates are like.
     pub plates: PlateOptions,
+    /// What makes streets differ.
+    pub scenery: SceneryOptions,
     /// Licences and authors of the map, copied to the world.
     pub attribution: Vec<String>,
 }
@@ -33,9 +36,41 @@ impl Default for GenerateOptions {
             planting: 0.5,
             invent_doors: true,
             plates: PlateOptions::default(),
+            scenery: SceneryOptions::default(),
             attribution: Vec::new(),
         }
     }
+}
+
+impl GenerateOptions {
+    /// The same settings with the conditions of a run.
+    #[must_use]
+    pub fn with(self, conditions: WorldConditions) -> Self {
+        Self {
+            plates: conditions.plates,
+            scenery: conditions.scenery,
+            ..self
+        }
+    }
+}
+
+/// What the conditions of a run change in a world; by default nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WorldConditions {
+    /// What door plates are like.
+    pub plates: PlateOptions,
+    /// What makes streets differ.
+    pub scenery: SceneryOptions,
+}
+
+/// What makes streets differ; by default nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SceneryOptions {
+    /// How much of it there is.
+    pub amounts: Scenery,
+    /// Seed of all that is drawn for it, apart from the world's own: the same houses and doors can
+    /// stand in other streets.
+    pub seed: u64,
 }
 
 /// What door plates are like; by default as in the published worlds.

@@ -7,6 +7,7 @@ use crate::material::{Material, MaterialId, SemanticClass};
 use crate::plate::plate_material;
 use crate::plates::{Design, DrawnPlates, Line, Wear, draw_face};
 use crate::scene::{Scene, SceneBuilder};
+use crate::scenery::DrawnScenery;
 
 /// Number of visible triangles that a world may have. One takes about 150 bytes of memory, with
 /// everything that is derived from it.
@@ -38,6 +39,8 @@ pub(super) struct Output {
     street_faces: BTreeMap<String, HungFace>,
     /// What was drawn of those.
     pub drawn_plates: DrawnPlates,
+    /// What was drawn to make streets differ.
+    pub drawn_scenery: DrawnScenery,
     limits: Limits,
     /// Buildings and streets beyond the limit.
     left_out: usize,
@@ -48,6 +51,8 @@ pub(super) struct Finished {
     pub scene: Scene,
     /// The plates that were drawn as in streets.
     pub plates: Option<DrawnPlates>,
+    /// What was drawn to make streets differ.
+    pub scenery: DrawnScenery,
     /// Descriptions of what had to be left out.
     pub warnings: Vec<String>,
 }
@@ -60,6 +65,7 @@ impl Output {
             plates: BTreeMap::new(),
             street_faces: BTreeMap::new(),
             drawn_plates: DrawnPlates::default(),
+            drawn_scenery: DrawnScenery::default(),
             limits,
             left_out: 0,
         }
@@ -142,6 +148,7 @@ impl Output {
         Finished {
             scene: self.scene.build(),
             plates: Some(self.drawn_plates),
+            scenery: self.drawn_scenery,
             warnings: self.warnings,
         }
     }

@@ -147,6 +147,7 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     }
     Ok(World {
         plates: None,
+        scenery: None,
         name: request
             .world
             .file_stem()

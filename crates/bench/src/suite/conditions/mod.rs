@@ -9,6 +9,7 @@
 //! | `level` | conditions by name, or by numbers |
 //! | `map` | `[map]`: how wrong the public map is |
 //! | `plates` | `[plates]`: what door plates are like |
+//! | `scenery` | `[scenery]`: what makes streets differ |
 //! | `start` | `[start]`: how well an agent knows where it starts |
 //! | `robot` | `[robot]`: how far the robot differs from its description |
 //! | `camera` | `[camera]`: what is wrong with the camera |
@@ -25,11 +26,14 @@ mod light;
 mod map;
 mod plates;
 mod robot;
+mod scenery;
 mod start;
 mod weather;
 
 use openbench_osm::disturb::MapErrors;
+use openbench_scene::generate::{PlateOptions, SceneryOptions, WorldConditions};
 use openbench_scene::plates::StreetPlates;
+use openbench_scene::scenery::Scenery;
 use openbench_sim::lidar::BeamErrors;
 use openbench_sim::{CameraErrors, Weather};
 use serde::{Deserialize, Serialize};
@@ -138,8 +142,26 @@ conditions! {
         lidar: BeamErrors,
         /// What door plates are like, and other text.
         plates: StreetPlates,
+        /// What makes streets differ: ground, shapes, things in the way, steps and kerbs.
+        scenery: Scenery,
         /// Whether computing takes simulated time.
         compute: Compute,
+    }
+}
+
+impl Conditions {
+    /// What they change in a world whose conditions are drawn by `seed`.
+    pub fn of_world(&self, seed: u64) -> WorldConditions {
+        WorldConditions {
+            plates: PlateOptions {
+                shares: self.plates,
+                seed,
+            },
+            scenery: SceneryOptions {
+                amounts: self.scenery,
+                seed,
+            },
+        }
     }
 }
 

@@ -58,15 +58,16 @@ pub(crate) fn build(
     } else {
         house.door
     };
+    let lift = inputs.relief.lift(door);
     let leaf = Segment::across(pose, 0.05, LEAF_WIDTH_M / 2.0);
     panel(
         &mut out.scene,
         Layer::Visible,
         own,
         leaf,
-        STEP_HEIGHT_M..LEAF_HEIGHT_M,
+        STEP_HEIGHT_M + lift..LEAF_HEIGHT_M + lift,
     );
-    frame(&mut out.scene, house.trim, pose);
+    frame(&mut out.scene, house.trim, pose, lift);
     let mut add = |surface: Surface, min: [f64; 3], max: [f64; 3]| {
         cuboid(
             &mut out.scene,
@@ -79,18 +80,19 @@ pub(crate) fn build(
     add(
         // Visible only: at 18 mm it is no obstacle, and wheels need not climb it.
         palette.doorstep,
-        [0.0, -0.8, 0.0],
-        [1.0, 0.8, STEP_HEIGHT_M],
+        [0.0, -0.8, lift],
+        [1.0, 0.8, STEP_HEIGHT_M + lift],
     );
-    let doormat_top = STEP_HEIGHT_M + 0.004;
+    let doormat_top = STEP_HEIGHT_M + 0.004 + lift;
     add(
         palette.earth,
-        [0.1, -0.45, STEP_HEIGHT_M],
+        [0.1, -0.45, STEP_HEIGHT_M + lift],
         [0.6, 0.45, doormat_top],
     );
-    if house.canopy && house.eaves > 2.8 {
-        add(house.trim, [0.0, -0.95, 2.5], [0.95, 0.95, 2.6]);
-        add(house.roofing, [0.0, -1.0, 2.6], [1.0, 1.0, 2.66]);
+    if house.canopy && house.eaves > 2.8 + lift {
+        let [low, middle, top] = [2.5, 2.6, 2.66].map(|z| z + lift);
+        add(house.trim, [0.0, -0.95, low], [0.95, 0.95, middle]);
+        add(house.roofing, [0.0, -1.0, middle], [1.0, 1.0, top]);
     }
     // A lamp on the side where the plate is not.
     let side = if door.plate_offset > 0.0 { -0.85 } else { 0.85 };
@@ -111,21 +113,22 @@ pub(crate) fn build(
     }
 }
 
-fn frame(scene: &mut SceneBuilder, surface: Surface, pose: Pose2) {
+/// The frame of a door that is `lift` metres above the ground.
+fn frame(scene: &mut SceneBuilder, surface: Surface, pose: Pose2, lift: f64) {
     let inner = LEAF_WIDTH_M / 2.0;
     let outer = inner + FRAME_WIDTH_M;
-    let top = LEAF_HEIGHT_M + FRAME_WIDTH_M;
+    let (head, top) = (LEAF_HEIGHT_M + lift, LEAF_HEIGHT_M + FRAME_WIDTH_M + lift);
     let parts = [
         Block {
             min: [0.0, -outer, 0.0],
-            max: [0.09, -inner, LEAF_HEIGHT_M],
+            max: [0.09, -inner, head],
         },
         Block {
             min: [0.0, inner, 0.0],
-            max: [0.09, outer, LEAF_HEIGHT_M],
+            max: [0.09, outer, head],
         },
         Block {
-            min: [0.0, -outer, LEAF_HEIGHT_M],
+            min: [0.0, -outer, head],
             max: [0.09, outer, top],
         },
     ];

@@ -10,6 +10,7 @@
 //! | `shrubs` | bushes along the walls of houses |
 //! | `backdrop` | trees on the horizon |
 //! | `planting` | trees that the seed adds |
+//! | `varied` | trees of more forms, where streets differ |
 //! | `hedges` | clipped hedges, for the barriers |
 
 pub(super) mod backdrop;
@@ -20,4 +21,5 @@ pub(super) mod planting;
 pub(super) mod shrubs;
 pub(super) mod tree;
 pub(super) mod tree_rows;
+mod varied;
 pub(super) mod woods;

@@ -7,6 +7,7 @@ use openbench_core::MapPoint;
 use rand_pcg::Pcg64Mcg;
 
 use super::ball::{Ball, ball};
+use super::varied;
 use crate::generate::inputs::Inputs;
 use crate::generate::layout::occupied::Occupied;
 use crate::generate::materials::palette::Crown;
@@ -89,7 +90,17 @@ pub(super) fn build(
     }
     out.scene.begin_object("tree", SemanticClass::Vegetation);
     let girth = between(rng, 0.11, 0.19);
-    if is_conifer {
+    if let Some(mut own) = varied::stream_at(inputs, p) {
+        // As without them, so that trees after this one stay as they are.
+        let mut unseen = SceneBuilder::new();
+        if is_conifer {
+            conifer(inputs, &mut unseen, p, girth, rng);
+        } else {
+            broadleaf(inputs, girth, rng).build(&mut unseen, p, rng);
+        }
+        varied::build(inputs, &mut out.scene, p, girth, &mut own);
+        out.drawn_scenery.trees += 1;
+    } else if is_conifer {
         conifer(inputs, &mut out.scene, p, girth, rng);
     } else {
         broadleaf(inputs, girth, rng).build(&mut out.scene, p, rng);

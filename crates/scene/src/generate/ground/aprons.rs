@@ -44,7 +44,8 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
     }
 }
 
-fn is_in_town(map: &OsmMap, middle: MapPoint) -> bool {
+/// Whether a place is in a town: its surroundings are built over.
+pub(crate) fn is_in_town(map: &OsmMap, middle: MapPoint) -> bool {
     let near = map.buildings_within(middle, NEIGHBOURHOOD_M);
     let areas = near
         .iter()

@@ -5,6 +5,8 @@
 //! 500 m), and too small for wheels and LiDAR to notice. Mapped ways lie above what is derived
 //! from tags, since a mapper knew better; paint lies above all.
 
+/// Lots without a mapped surface, metres.
+pub(crate) const Z_LOT_M: f64 = 0.000_75;
 /// Paved ground around buildings, metres.
 pub(super) const Z_APRON_M: f64 = 0.0015;
 /// Mapped areas, metres.

@@ -8,10 +8,10 @@ use crate::beyond::{Rectangle, beyond};
 use crate::generate::inputs::Inputs;
 use crate::generate::layout::extent::GROUND_MARGIN_M;
 use crate::generate::output::Output;
-use crate::generate::shapes::{Surface, at, floor};
+use crate::generate::shapes::{Surface, at, floor, level_uv};
 use crate::generate::water::coast::SEA_LEVEL_M;
 use crate::material::SemanticClass;
-use crate::scene::{Layer, SceneBuilder};
+use crate::scene::{Corner, Layer, SceneBuilder};
 use crate::triangulate::triangulate;
 
 /// Height of the sea where the ground could not be cut out, metres: just above it.
@@ -32,12 +32,19 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
     let north = Vector3::y() * (high.y - low.y);
     let repeat = [(east.x / grass.tile) as f32, (north.y / grass.tile) as f32];
     // A robot finds ground everywhere; the quay walls keep it out of the sea.
+    let holes = inputs.relief.holes();
     let layer = if inputs.sea.is_empty() {
         Layer::Both
     } else {
         Layer::Solid
     };
-    scene.rectangle(layer, grass.material, at(low, 0.0), east, north, repeat);
+    if holes.is_empty() {
+        scene.rectangle(layer, grass.material, at(low, 0.0), east, north, repeat);
+    } else {
+        // There are none where there is sea.
+        perforated(scene, grass, &rim.corners(), &holes);
+        holes.iter().for_each(|hole| scene.pit(hole));
+    }
     // The extent is that of what is drawn, without the solid ground beyond.
     scene.set_extent(rim);
     solid_beyond(scene, grass, rim);
@@ -64,6 +71,19 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
             let ring: Vec<MapPoint> = island.iter().rev().copied().collect();
             floor(scene, grass, &ring, &[], 0.0);
         }
+    }
+}
+
+/// The ground with holes.
+fn perforated(
+    scene: &mut SceneBuilder,
+    grass: Surface,
+    outline: &[MapPoint; 4],
+    holes: &[Vec<MapPoint>],
+) {
+    for triangle in triangulate(outline, holes) {
+        let corners = triangle.map(|p| Corner::new(at(p, 0.0), level_uv(grass, p)));
+        scene.mesh(Layer::Both, grass.material, &corners, &[[0, 1, 2]]);
     }
 }
 

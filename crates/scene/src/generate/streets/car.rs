@@ -25,7 +25,7 @@ const LAMP_HEIGHT_M: f64 = 0.68;
 const LEAN_M: f64 = 0.2;
 /// Distance of the side windows in front of the body, metres.
 const GLASS_RELIEF_M: f64 = 0.012;
-/// Distance of the axles from the middle, metres.
+/// Distance of the axles of most cars from the middle, metres.
 const AXLE_M: f64 = 1.3;
 /// Height of the axles, metres.
 const AXLE_HEIGHT_M: f64 = 0.31;
@@ -34,24 +34,26 @@ const TYRE_WIDTH_M: f64 = 0.2;
 
 /// A point of a car seen from its side, metres.
 #[derive(Debug, Clone, Copy)]
-struct SidePoint {
-    forward: f64,
-    up: f64,
+pub(super) struct SidePoint {
+    pub forward: f64,
+    pub up: f64,
 }
 
-const fn p(forward: f64, up: f64) -> SidePoint {
+pub(super) const fn p(forward: f64, up: f64) -> SidePoint {
     SidePoint { forward, up }
 }
 
 /// A car seen from its left.
-struct Shape {
-    outline: &'static [SidePoint],
+pub(super) struct Shape {
+    pub outline: &'static [SidePoint],
     /// The segments of the outline that are glass.
-    glass: &'static [usize],
+    pub glass: &'static [usize],
     /// The side window.
-    window: &'static [SidePoint],
+    pub window: &'static [SidePoint],
     /// Heights between which the sides lean in, metres.
-    waist: Range<f64>,
+    pub waist: Range<f64>,
+    /// Distance of the axles from the middle, metres.
+    pub axle: f64,
 }
 
 /// How far the outline of a car reaches at some height, metres forward.
@@ -101,6 +103,7 @@ static SALOON: Shape = Shape {
     glass: &[4, 6],
     window: &[p(1.02, 0.97), p(0.46, 1.33), p(-0.76, 1.36), p(-1.28, 1.02)],
     waist: 0.92..1.42,
+    axle: AXLE_M,
 };
 static HATCHBACK: Shape = Shape {
     outline: &[
@@ -117,6 +120,7 @@ static HATCHBACK: Shape = Shape {
     glass: &[4, 6],
     window: &[p(0.98, 1.02), p(0.38, 1.40), p(-1.14, 1.43), p(-1.60, 1.06)],
     waist: 0.96..1.50,
+    axle: AXLE_M,
 };
 static VAN: Shape = Shape {
     outline: &[
@@ -134,6 +138,7 @@ static VAN: Shape = Shape {
     window: &[p(1.40, 1.14), p(0.86, 1.74), p(0.10, 1.76), p(0.10, 1.14)],
     // The upper end lies above the roof: the sides of a van lean in by half as much.
     waist: 1.10..2.60,
+    axle: AXLE_M,
 };
 /// Shapes as frequent as they are here.
 static SHAPES: [&Shape; 5] = [&SALOON, &HATCHBACK, &SALOON, &HATCHBACK, &VAN];
@@ -197,6 +202,11 @@ pub fn car_figure(look: u32) -> Scene {
 }
 
 impl Car {
+    /// The same car in another shape.
+    pub fn shaped(self, shape: &'static Shape) -> Self {
+        Self { shape, ..self }
+    }
+
     /// Where the car ends behind and in front at a height, metres from its middle.
     pub fn ends(&self, up: f64) -> [f64; 2] {
         let outline = self.shape.outline;
@@ -255,7 +265,7 @@ impl Car {
     }
 
     fn wheels(&self, scene: &mut SceneBuilder, pose: Pose2) {
-        for x in [AXLE_M, -AXLE_M] {
+        for x in [self.shape.axle, -self.shape.axle] {
             for side in [-1.0, 1.0] {
                 let wheel = Wheel {
                     x,

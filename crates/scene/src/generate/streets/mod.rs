@@ -11,6 +11,7 @@
 //! | `car` | one car |
 
 pub(super) mod car;
+mod car_shapes;
 pub(super) mod markings;
 pub(super) mod parked_cars;
 pub(super) mod profile;

@@ -10,6 +10,7 @@ use openbench_osm::{Road, Tags, draws};
 use rand_pcg::Pcg64Mcg;
 
 use super::car::{self, Car, HALF_LENGTH_M, HALF_WIDTH_M};
+use super::car_shapes;
 use super::profile::profile;
 use super::stripes;
 use crate::generate::inputs::Inputs;
@@ -169,6 +170,7 @@ impl Parking<'_, '_> {
         if wanted && self.occupied.is_free(axis, HALF_WIDTH_M + 0.02, kinds) {
             self.out.scene.begin_object("car", SemanticClass::Vehicle);
             let car = car::draw(&self.inputs.palette, rng);
+            let (car, axis) = self.shaped(car, axis, kinds);
             car.build(&mut self.out.scene, pose);
             self.number_plates(&car, pose);
             self.occupied.add(axis, HALF_WIDTH_M);
@@ -177,6 +179,27 @@ impl Parking<'_, '_> {
 }
 
 impl Parking<'_, '_> {
+    /// The car in another shape, where streets differ, with the ground that it then takes.
+    fn shaped(&mut self, car: Car, axis: Segment, kinds: Kinds) -> (Car, Segment) {
+        let Some(other) = car_shapes::at_place(self.inputs, axis.middle()) else {
+            return (car, axis);
+        };
+        let middle = axis.middle();
+        let longer = |half_length: f64| {
+            let half = half_length - HALF_WIDTH_M;
+            let yaw = axis.bearing();
+            Segment::new(middle.offset(yaw, -half), middle.offset(yaw, half))
+        };
+        let has_room = |half_length: f64| {
+            let axis = longer(half_length);
+            // Not in car parks, whose places are for cars.
+            kinds & ROAD == 0 && self.occupied.is_free(axis, HALF_WIDTH_M + 0.02, kinds)
+        };
+        let fitted = other.fitting(has_room);
+        self.out.drawn_scenery.cars += 1;
+        (car.shaped(fitted.shape), longer(fitted.half_length))
+    }
+
     /// The number plates of a car, in worlds with plates as in streets.
     fn number_plates(&mut self, car: &Car, pose: Pose2) {
         let plates = &self.inputs.options.plates;

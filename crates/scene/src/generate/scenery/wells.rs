@@ -1,0 +1,210 @@
+//! Light wells and basement areas beside houses: places where the ground is missing. Half of them
+//! have a low rim; the others have none.
+
+use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::Segment;
+
+use super::kinds::Footprint;
+use super::passage::stays_open;
+use super::relief::{Site, shifted};
+use super::streams::{Purpose, stream};
+use crate::generate::buildings::walls::walls;
+use crate::generate::ground::aprons::is_in_town;
+use crate::generate::inputs::Inputs;
+use crate::generate::layout::clearance::{
+    BARRIER, BUILDING, DOOR, DRIVEWAY, OBJECT, PATH, PAVED, ROAD, START, WATER,
+};
+use crate::generate::layout::occupied::Occupied;
+use crate::generate::output::Output;
+use crate::generate::seeds::{between, chance, element_number, pick};
+use crate::generate::shapes::{Block, at, cuboid, facet, wall};
+use crate::material::SemanticClass;
+use crate::scene::Layer;
+
+/// Share of the houses with a well where there is most relief.
+const SHARE: f64 = 0.7;
+/// Wells of a world at most: each is a hole in one outline.
+const MOST: usize = 60;
+/// Distance of a well from its wall, metres.
+const FROM_WALL_M: f64 = 0.03;
+/// Distance of a well from the ends of its wall, metres.
+const FROM_CORNER_M: f64 = 0.5;
+/// Free ground around a well, metres.
+const AROUND_M: f64 = 0.5;
+/// Thickness of a rim, metres.
+const RIM_M: f64 = 0.12;
+
+/// A place without ground at a wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::generate) struct Well {
+    /// At the middle of its side at the wall, facing out of that.
+    pose: Pose2,
+    /// Half its length along the wall, metres.
+    half: f64,
+    /// Its width out of the wall, metres.
+    width: f64,
+    /// Metres.
+    depth: f64,
+    /// Height of its rim, metres; 0 without one.
+    rim: f64,
+}
+
+impl Well {
+    /// Its corners, counter-clockwise.
+    pub fn ring(&self) -> [MapPoint; 4] {
+        let point = |forward, left| self.pose.transform(forward, left);
+        [
+            point(0.0, -self.half),
+            point(self.width, -self.half),
+            point(self.width, self.half),
+            point(0.0, self.half),
+        ]
+    }
+
+    /// The ground that it takes.
+    pub fn footprint(&self) -> Footprint {
+        let radius = self.width / 2.0 + RIM_M;
+        Footprint {
+            axis: Segment::new(
+                self.pose.transform(self.width / 2.0, -self.half),
+                self.pose.transform(self.width / 2.0, self.half),
+            ),
+            radius,
+        }
+    }
+}
+
+/// Draws which houses have a well.
+pub(super) fn plan(site: &Site, occupied: &mut Occupied) -> Vec<Well> {
+    let mut wells: Vec<Well> = Vec::new();
+    if site.has_sea {
+        return wells;
+    }
+    for building in &site.map.buildings {
+        let mut rng = stream(
+            site.options.seed,
+            Purpose::Well,
+            element_number(building.element),
+        );
+        let is_wanted = chance(&mut rng, SHARE * site.options.amounts.relief);
+        let wall = pick(&mut rng, &walls(building));
+        let share = between(&mut rng, 0.15, 0.85);
+        let half = between(&mut rng, 0.6, 1.5);
+        let well = Well {
+            pose: shifted(wall.facing_out(share), FROM_WALL_M, 0.0),
+            half,
+            width: between(&mut rng, 0.7, 1.0),
+            depth: between(&mut rng, 0.5, 1.2),
+            rim: pick(&mut rng, &[0.0, between_rims(share)]),
+        };
+        let along = wall.length() * share;
+        let is_within = along.min(wall.length() - along) > half + FROM_CORNER_M;
+        if !is_wanted || !is_within || wells.len() >= MOST || !has_room(site, &well) {
+            continue;
+        }
+        let ground = well.footprint();
+        let is_free = occupied.is_free(ground.axis, ground.radius, OBJECT);
+        if is_free && stays_open(occupied, ground.axis, ground.radius) {
+            occupied.add(ground.axis, ground.radius);
+            wells.push(well);
+        }
+    }
+    wells
+}
+
+/// A height of a rim from 10 to 14 cm, by a share.
+fn between_rims(share: f64) -> f64 {
+    0.10 + 0.04 * share
+}
+
+fn has_room(site: &Site, well: &Well) -> bool {
+    let Footprint { axis, radius } = well.footprint();
+    // Beyond the half at the wall, which is a building itself.
+    let outer = Segment::new(
+        well.pose.transform(well.width, -well.half),
+        well.pose.transform(well.width, well.half),
+    );
+    let in_the_way = BARRIER | ROAD | PATH | DOOR | START | PAVED | DRIVEWAY | WATER;
+    let middle = axis.middle();
+    let is_bare = site.map.areas.iter().all(|area| {
+        let bounds = area.polygon.bounds();
+        !bounds.holds(middle, radius + well.half) || !area.polygon.contains(middle)
+    });
+    let features = site.features.iter();
+    let has_features = features
+        .map(|feature| axis.distance_to_point(feature.position))
+        .any(|distance| distance < radius + AROUND_M);
+    is_bare
+        && !has_features
+        && site.clearance.is_free(axis, radius + AROUND_M, in_the_way)
+        && site.clearance.is_free(outer, well.width * 0.8, BUILDING)
+        && !is_in_town(site.map, middle)
+}
+
+/// Builds the walls, floors and rims of the wells.
+pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
+    let palette = &inputs.palette;
+    for well in &inputs.relief.wells {
+        out.scene.begin_object("light well", SemanticClass::Wall);
+        let ring = well.ring();
+        for i in 0..4 {
+            // Seen from inside.
+            let side = Segment::new(ring[(i + 1) % 4], ring[i]);
+            let z = -well.depth..0.0;
+            wall(&mut out.scene, Layer::Both, palette.quay, side, z);
+        }
+        let floor = ring.map(|p| at(p, -well.depth));
+        facet(&mut out.scene, Layer::Both, palette.gravel, &floor);
+        if well.rim > 0.0 {
+            rim(inputs, out, well);
+        }
+        out.drawn_scenery.wells += 1;
+    }
+}
+
+/// Stones on three sides.
+fn rim(inputs: &Inputs, out: &mut Output, well: &Well) {
+    let Well {
+        half, width, rim, ..
+    } = *well;
+    let blocks = [
+        Block {
+            min: [0.0, -half - RIM_M, 0.0],
+            max: [width + RIM_M, -half, rim],
+        },
+        Block {
+            min: [0.0, half, 0.0],
+            max: [width + RIM_M, half + RIM_M, rim],
+        },
+        Block {
+            min: [width, -half, 0.0],
+            max: [width + RIM_M, half, rim],
+        },
+    ];
+    for block in blocks {
+        let stone = inputs.palette.coping;
+        cuboid(&mut out.scene, Layer::Both, stone, well.pose, block);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use openbench_geometry::signed_area;
+
+    use super::*;
+
+    #[test]
+    fn a_well_is_a_rectangle_outside_of_its_wall() {
+        let well = Well {
+            pose: Pose2::new(3.0, 4.0, 1.0),
+            half: 0.8,
+            width: 0.9,
+            depth: 1.0,
+            rim: 0.0,
+        };
+        assert!((signed_area(&well.ring()) - 1.6 * 0.9).abs() < 1e-9);
+        let ground = well.footprint();
+        let holds = |p: &MapPoint| ground.axis.distance_to_point(*p) < ground.radius;
+        assert!(well.ring().iter().all(holds));
+    }
+}
