@@ -40,6 +40,30 @@ fn every_door_of_the_map_is_built_and_reached() {
 }
 
 #[test]
+fn scenery_shuts_no_door_off() {
+    let mut drawn_kerbs = 0;
+    for kind in Kind::ALL {
+        for seed in SEEDS {
+            let suite = neighbourhood_suite(kind, seed).unwrap();
+            let mut varied = suite.clone();
+            for number in ["ground", "shapes", "clutter", "relief"] {
+                let key = format!("scenery.{number}");
+                varied.conditions.set(&key, "1").unwrap();
+            }
+            let [plain, varied] = [suite, varied].map(|s| Prepared::world_of(s).unwrap());
+            let pairs = plain.approach.iter().zip(&varied.approach);
+            for (number, (before, with)) in pairs.enumerate() {
+                let door = &varied.world.scene.doors[number].address;
+                let is_kept = before.is_none() || with.is_some();
+                assert!(is_kept, "{}: {door}", varied.suite.name);
+            }
+            drawn_kerbs += varied.world.scenery.unwrap().kerbs;
+        }
+    }
+    assert!(drawn_kerbs > 50, "{drawn_kerbs}");
+}
+
+#[test]
 fn a_seed_is_another_neighbourhood_and_seed_0_the_built_in_world() {
     assert_eq!(
         suite_of_seed("small", 0).unwrap(),

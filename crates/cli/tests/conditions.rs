@@ -173,3 +173,24 @@ fn plates_as_in_streets_are_drawn_recorded_and_verified() {
     assert_ne!(real["hashes"]["world"], plain["hashes"]["world"]);
     assert_eq!(real["hashes"]["map"], plain["hashes"]["map"]);
 }
+
+#[test]
+fn streets_that_differ_are_drawn_recorded_and_verified() {
+    let place = place();
+    let results = run(&place, "--condition scenery=varied --seed 3 --out r")
+        .succeeded()
+        .json();
+    let drawn = &results["drawn_scenery"];
+    assert!(drawn["clutter"].as_object().unwrap().len() > 2, "{drawn}");
+    assert_eq!(results["conditions"]["scenery"], "varied");
+    place.openbench("verify r").succeeded();
+    let plain = run(&place, "--seed 3 --out p").succeeded().json();
+    assert_eq!(plain["drawn_scenery"], Value::Null);
+    let (varied, plain) = (&results["provenance"], &plain["provenance"]);
+    assert_ne!(varied["hashes"]["world"], plain["hashes"]["world"]);
+    assert_eq!(varied["hashes"]["map"], plain["hashes"]["map"]);
+    let words = "world show one.toml --condition scenery=varied --out v.jpg";
+    place.openbench(words).succeeded();
+    let refused = place.openbench("run one.toml --condition scenery.clutter=2 --out x");
+    refused.refused_with(&["clutter = 2", "from 0 to 1"]);
+}

@@ -3,6 +3,9 @@
 //! Points between the lowest obstacle and the robot's roof are obstacles. A beam that reached the
 //! ground or an obstacle shows that no obstacle as high as the beam stood before it. Low things
 //! near the robot lie below every beam, so a ring also says at which height its beams passed.
+//!
+//! A point well below the ground shows that ground is missing before it: from where its beam went
+//! below the ground on, there is an obstacle.
 
 use openbench_core::MapPoint;
 
@@ -16,6 +19,15 @@ const ROOF_M: f64 = 0.45;
 const PEOPLE_M: f64 = 1.8;
 /// Points lower than this are ground, metres.
 const GROUND_M: f64 = 0.06;
+/// Points lower than this show that ground is missing, metres. Within [`PIT_REACH_M`] the ground
+/// seems to lie as low only where the robot tilts by more than a degree and a half.
+const MISSING_M: f64 = -0.09;
+/// Missing ground is searched for within this distance, metres.
+const PIT_REACH_M: f64 = 3.5;
+/// Distance between the obstacles that stand for missing ground, metres.
+const PIT_STEP_M: f64 = 0.1;
+/// Height of those obstacles, metres: no beam passes below it, so none clears them.
+const PIT_TOP_M: f64 = 0.0;
 /// Points further away are ignored: a tilt of one degree lifts the ground by 14 cm there, metres.
 const REACH_M: f64 = 8.0;
 
@@ -98,21 +110,28 @@ impl RangeRing {
                 above.push(point);
                 continue;
             }
-            let (beam, direction) = (
-                Beam {
-                    reach: square.sqrt(),
-                    end_height: z,
-                },
-                direction_index(libm::atan2(dy, dx)),
-            );
+            let direction = direction_index(libm::atan2(dy, dx));
+            let whole = Beam {
+                reach: square.sqrt(),
+                end_height: z,
+            };
+            let is_missing = z < MISSING_M && height > 0.0 && whole.reach <= PIT_REACH_M;
+            let beam = if is_missing {
+                let edge = edge_of_ground(height, whole);
+                obstacles.extend(missing_ground(center, point, edge.reach, whole.reach));
+                edge
+            } else {
+                whole
+            };
             if beam.reach > furthest[direction].reach {
                 furthest[direction] = beam;
             }
             if z >= LOWEST_M {
                 obstacles.push(ScanPoint::new(point, z));
-                if beam.reach < nearest[direction].reach {
-                    nearest[direction] = beam;
-                }
+            }
+            let ends_free_ground = z >= LOWEST_M || is_missing;
+            if ends_free_ground && beam.reach < nearest[direction].reach {
+                nearest[direction] = beam;
             }
         }
         // A beam that reached ground behind an obstacle passed over it, but the beam that hit the
@@ -133,6 +152,31 @@ impl RangeRing {
     pub(crate) fn height_at(&self, beam: Beam, distance: f64) -> f64 {
         self.height + (beam.end_height - self.height) * (distance / beam.reach.max(1e-9))
     }
+}
+
+/// The part of a beam above the ground; the beam ends below it.
+fn edge_of_ground(height: f64, beam: Beam) -> Beam {
+    Beam {
+        reach: beam.reach * height / (height - beam.end_height),
+        end_height: PIT_TOP_M,
+    }
+}
+
+/// Obstacles on the line from `center` to `point`, between two distances from `center`.
+fn missing_ground(
+    center: MapPoint,
+    point: MapPoint,
+    from: f64,
+    to: f64,
+) -> impl Iterator<Item = ScanPoint> {
+    // The nearest and the farthest are a few decimetres apart.
+    let steps = ((to - from) / PIT_STEP_M) as usize;
+    (0..=steps).map(move |i| {
+        let share = (from + i as f64 * PIT_STEP_M) / to;
+        let along = |a: f64, b: f64| a + (b - a) * share;
+        let at = MapPoint::new(along(center.x, point.x), along(center.y, point.y));
+        ScanPoint::new(at, PIT_TOP_M)
+    })
 }
 
 /// The direction of a bearing, radians.
@@ -172,6 +216,25 @@ mod tests {
         // in the west.
         assert!((ring.beams[90].reach - 2.0).abs() < 1e-9);
         assert!((ring.beams[179].reach - 2.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn ground_is_missing_from_where_a_beam_goes_below_it() {
+        // A beam from 25 cm that ends 3 m away and 15 cm below the ground crosses it at 1.875 m.
+        let pit = ring(&[[1.0, 4.0, -0.15], [1.0, 5.0, 0.0]]);
+        assert!((pit.beams[90].reach - 1.875).abs() < 1e-9, "no further");
+        assert_eq!(pit.obstacles.len(), 12);
+        let first = pit.obstacles[0];
+        assert!((first.at.y - 2.875).abs() < 1e-9 && first.height == PIT_TOP_M);
+        let nearer = |p: &ScanPoint| p.at.y < 4.0 + 1e-9;
+        assert!(pit.obstacles.iter().all(nearer));
+    }
+
+    #[test]
+    fn ground_that_seems_low_by_a_tilt_is_no_pit() {
+        let tilted = ring(&[[1.0, 4.0, -0.08], [1.0, 5.0, -0.11], [8.5, 1.0, -0.2]]);
+        assert!(tilted.obstacles.is_empty());
+        assert!((tilted.beams[90].reach - 4.0).abs() < 1e-9);
     }
 
     #[test]

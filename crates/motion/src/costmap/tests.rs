@@ -160,6 +160,25 @@ fn a_low_obstacle_stays_though_beams_pass_over_it() {
 }
 
 #[test]
+fn missing_ground_stays_though_beams_pass_over_it() {
+    let mut costmap = open_ground();
+    // A light well from x = 2 m on, whose floor the beams reach; later they pass over it.
+    let floor = |i: i32| ScanPoint::new(MapPoint::new(3.0, f64::from(i) * 0.05 - 1.0), -0.12);
+    let beyond = |i: i32| ScanPoint::new(MapPoint::new(5.0, f64::from(i) / 30.0), 0.0);
+    costmap.observe(&RangeRing::new(
+        MapPoint::default(),
+        0.25,
+        (0..=40).map(floor),
+    ));
+    for _ in 0..30 {
+        let ring = RangeRing::new(MapPoint::default(), 0.25, (-60..60).map(beyond));
+        costmap.observe(&ring);
+    }
+    assert!(!costmap.is_clear(MapPoint::new(1.0, 0.0), MapPoint::new(4.0, 0.0)));
+    assert!(costmap.is_clear(MapPoint::new(-1.0, 0.0), MapPoint::new(1.0, 0.0)));
+}
+
+#[test]
 fn water_stays_though_beams_pass_over_it_and_the_robot_is_in_it() {
     let mut map = empty_map();
     let corners =
