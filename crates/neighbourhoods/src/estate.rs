@@ -2,14 +2,14 @@
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::{Segment, segments};
-use openbench_osm::draws::{between, chance, pick};
+use openbench_osm::draws::{between, chance, pick, whole};
 use rand_pcg::Pcg64Mcg;
 
 use crate::ground::Ground;
 use crate::kind::Kind;
 use crate::outline::{Footprint, Shape};
 use crate::plan::{Half, Home, HomeKind, Patch, Path, Side, Street};
-use crate::purpose::{Purpose, Seed, whole};
+use crate::purpose::{Purpose, Seed};
 
 /// Places that are tried.
 const TRIES: u64 = 160;

@@ -1,13 +1,13 @@
 //! Homes along streets: which kind, how large, and where each stands.
 
 use openbench_core::Pose2;
-use openbench_osm::draws::{between, chance, pick};
+use openbench_osm::draws::{between, chance, pick, whole};
 use rand_pcg::Pcg64Mcg;
 
 use crate::ground::Ground;
 use crate::outline::{Footprint, Shape};
 use crate::plan::{Home, HomeKind, Lot, Side, Street};
-use crate::purpose::{Purpose, Seed, whole};
+use crate::purpose::{Purpose, Seed};
 use crate::style::Style;
 
 /// No home begins nearer to the end of a street, metres.

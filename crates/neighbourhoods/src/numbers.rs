@@ -1,18 +1,15 @@
 //! House numbers, as countries have them: odd and even sides, or around the street, or per estate;
 //! with gaps and letters here and there.
 
-use openbench_osm::draws::chance;
+use openbench_osm::draws::{chance, whole};
+use openbench_osm::houses::{GAPS, number_street};
 use rand_pcg::Pcg64Mcg;
 
 use crate::plan::{Home, HomeKind, Side};
-use crate::purpose::{Purpose, Seed, whole};
+use crate::purpose::{Purpose, Seed};
 use crate::style::Style;
 use crate::words::Language;
 
-/// Share of the houses before which a number is left out.
-const GAPS: f64 = 0.12;
-/// Share of the houses that were built between two others: `12a`.
-const LETTERS: f64 = 0.07;
 /// Share of the houses with a name of their own.
 const NAMED: f64 = 0.04;
 
@@ -60,41 +57,9 @@ fn along(street: usize, draws: &mut Pcg64Mcg, homes: &mut [Home]) {
         found.sort_by(|a, b| homes[*a].along.total_cmp(&homes[*b].along));
         found
     };
-    let (mut left, mut right) = (of_side(Side::Left, homes), of_side(Side::Right, homes));
-    if chance(draws, 0.5) {
-        // The town's middle, from which numbers count, is at the other end.
-        left.reverse();
-        right.reverse();
-        std::mem::swap(&mut left, &mut right);
-    }
-    let first = 2 * whole(draws, 0, 24);
-    if chance(draws, 0.2) {
-        // Up one side and down the other.
-        right.reverse();
-        left.append(&mut right);
-        count(&left, first / 2 + 1, 1, draws, homes);
-    } else {
-        count(&left, first + 1, 2, draws, homes);
-        count(&right, first + 2, 2, draws, homes);
-    }
-}
-
-/// Numbers houses in their order.
-fn count(order: &[usize], first: u32, step: u32, draws: &mut Pcg64Mcg, homes: &mut [Home]) {
-    let mut number = first;
-    let mut lettered = true;
-    for i in order {
-        let (gap, letter) = (chance(draws, GAPS), chance(draws, LETTERS));
-        if letter && !lettered {
-            // Built later, beside the house with the number before.
-            homes[*i].number = format!("{}a", number - step);
-            lettered = true;
-            continue;
-        }
-        number += if gap { step } else { 0 };
-        homes[*i].number = number.to_string();
-        number += step;
-        lettered = false;
+    let (left, right) = (of_side(Side::Left, homes), of_side(Side::Right, homes));
+    for (home, number) in number_street(&left, &right, draws) {
+        homes[home].number = number;
     }
 }
 

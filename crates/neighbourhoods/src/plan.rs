@@ -3,6 +3,7 @@
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::{Segment, segments};
+use openbench_osm::houses::DrawnDoor;
 
 /// Width of the pavements that belong to a street, metres: as worlds are built.
 pub(crate) const PAVEMENT_M: f64 = 1.8;
@@ -139,16 +140,6 @@ pub(crate) struct Lot {
     pub depth: f64,
 }
 
-/// A door.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Door {
-    /// The wall that it is in, without what divides it.
-    pub wall: Segment,
-    pub at: MapPoint,
-    pub unit: String,
-    pub main: bool,
-}
-
 /// A building with doors.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Home {
@@ -174,7 +165,7 @@ pub(crate) struct Home {
     pub name: Option<String>,
     /// How many doors are wanted.
     pub wanted_doors: usize,
-    pub doors: Vec<Door>,
+    pub doors: Vec<DrawnDoor>,
 }
 
 /// A garage or shed.

@@ -37,24 +37,3 @@ impl Seed {
         draws::stream(self.0, purpose as u64, thing)
     }
 }
-
-/// A whole number from `low` to `high`, both included.
-pub(crate) fn whole(draws: &mut Pcg64Mcg, low: u32, high: u32) -> u32 {
-    let span = f64::from(high - low + 1);
-    let drawn = draws::between(draws, 0.0, span) as u32;
-    // Rounding may give the end of the span itself.
-    low + drawn.min(high - low)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn whole_numbers_reach_both_ends() {
-        let mut draws = Seed::new(Kind::Small, 1).stream(Purpose::Style, 0);
-        let drawn: Vec<u32> = (0..200).map(|_| whole(&mut draws, 3, 5)).collect();
-        assert!((3..=5).all(|n| drawn.contains(&n)));
-        assert!(drawn.iter().all(|n| (3..=5).contains(n)));
-    }
-}

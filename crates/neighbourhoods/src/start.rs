@@ -2,11 +2,11 @@
 
 use openbench_core::Pose2;
 use openbench_geometry::Segment;
-use openbench_osm::draws::{between, chance};
+use openbench_osm::draws::{between, chance, whole};
 
 use crate::ground::Ground;
 use crate::plan::{Class, Plan};
-use crate::purpose::{Purpose, Seed, whole};
+use crate::purpose::{Purpose, Seed};
 use crate::reach::Reach;
 
 /// Places that are tried.

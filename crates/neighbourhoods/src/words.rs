@@ -1,10 +1,8 @@
 //! Places and names of streets in five languages.
 
 use openbench_core::Georeference;
-use openbench_osm::draws::pick;
+use openbench_osm::draws::{pick, whole};
 use rand_pcg::Pcg64Mcg;
-
-use crate::purpose::whole;
 
 /// Where a neighbourhood pretends to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -37,6 +37,14 @@ pub fn between(draws: &mut Pcg64Mcg, low: f64, high: f64) -> f64 {
     low + (high - low) * draws.random::<f64>()
 }
 
+/// A whole number from `low` to `high`, both included.
+pub fn whole(draws: &mut Pcg64Mcg, low: u32, high: u32) -> u32 {
+    let span = f64::from(high - low + 1);
+    let drawn = between(draws, 0.0, span) as u32;
+    // Rounding may give the end of the span itself.
+    low + drawn.min(high - low)
+}
+
 /// One of `choices`.
 ///
 /// # Panics
@@ -79,6 +87,14 @@ mod tests {
         assert_ne!(base, first(2, 5, 7));
         assert_ne!(base, first(1, 4, 7));
         assert_ne!(base, first(1, 5, 8));
+    }
+
+    #[test]
+    fn whole_numbers_reach_both_ends() {
+        let mut draws = stream(1, 1, 1);
+        let drawn: Vec<u32> = (0..200).map(|_| whole(&mut draws, 3, 5)).collect();
+        assert!((3..=5).all(|n| drawn.contains(&n)));
+        assert!(drawn.iter().all(|n| (3..=5).contains(n)));
     }
 
     #[test]

@@ -25,6 +25,7 @@
 //! | `edit` | entrances added, merged and removed |
 //! | [`disturb`] | maps that are wrong as real ones are |
 //! | [`draws`] | random numbers, a stream for each purpose and element |
+//! | [`houses`] | doors, units and house numbers of houses of which no map says them |
 //! | `renumber` | [`renumbered`]: new numbers that tell nothing about removed elements |
 
 mod address;
@@ -37,6 +38,7 @@ mod edit;
 mod element;
 pub mod error;
 pub mod hierarchy;
+pub mod houses;
 pub mod map;
 mod name_index;
 pub mod names;
