@@ -194,3 +194,18 @@ fn streets_that_differ_are_drawn_recorded_and_verified() {
     let refused = place.openbench("run one.toml --condition scenery.clutter=2 --out x");
     refused.refused_with(&["clutter = 2", "from 0 to 1"]);
 }
+
+#[test]
+fn drawn_doors_are_counted_where_the_map_has_all_of_them() {
+    let place = place();
+    let results = run(&place, "--condition doors=drawn --seed 3 --out r");
+    let drawn = &results.succeeded().json()["drawn_doors"];
+    assert_eq!(
+        (&drawn["mapped"], &drawn["doors"]),
+        (&8.into(), &0.into()),
+        "{drawn}"
+    );
+    place.openbench("verify r").succeeded();
+    let plain = run(&place, "--seed 3 --out p").succeeded().json();
+    assert_eq!(plain["drawn_doors"], Value::Null);
+}

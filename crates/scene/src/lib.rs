@@ -14,12 +14,14 @@
 //! | [`plate`] | number plates of published worlds |
 //! | [`plates`] | door plates of real streets |
 //! | [`scenery`] | how much streets differ |
+//! | `drawn_doors` | [`DrawnDoors`]: what was drawn for doors, counted |
 //! | `world` | [`World`]: a scene with its public map, georeference and start |
 //! | `beyond` | ground around the drawn ground |
 //! | `triangulate` | triangulation of an outline with holes |
 
 mod beyond;
 pub mod bvh;
+mod drawn_doors;
 mod free_space;
 pub mod generate;
 mod import;
@@ -33,6 +35,7 @@ mod triangulate;
 mod world;
 
 pub use bvh::{Hit, Movers, Placed, RayPacket, TriangleBvh};
+pub use drawn_doors::DrawnDoors;
 pub use free_space::{FreeSpace, ground_height};
 pub use import::{ImportError, ImportRequest, ObjError, import_world};
 pub use material::{Finish, Material, MaterialId, SemanticClass, Texture, TextureId};

@@ -3,6 +3,7 @@
 use openbench_core::{Georeference, Pose2};
 use openbench_osm::OsmData;
 
+use crate::drawn_doors::DrawnDoors;
 use crate::plates::DrawnPlates;
 use crate::scene::Scene;
 use crate::scenery::DrawnScenery;
@@ -27,6 +28,8 @@ pub struct World {
     pub start: Pose2,
     /// Licences and authors to name beside images and maps of this world.
     pub attribution: Vec<String>,
+    /// The doors that were drawn where the map has none; `None` if none were asked for.
+    pub doors: Option<DrawnDoors>,
     /// The plates that were drawn as in streets; `None` if all are as in the published worlds.
     pub plates: Option<DrawnPlates>,
     /// What was drawn to make streets differ; `None` if nothing was.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use openbench_core::MapPoint;
 use openbench_geometry::segments;
 use openbench_osm::OsmMap;
-use openbench_scene::generate::{SceneryOptions, WorldConditions, builtin, builtin_with};
+use openbench_scene::generate::{Alterations, SceneryOptions, builtin, builtin_with};
 use openbench_scene::scenery::Scenery;
 use openbench_scene::{FreeSpace, RayCaster, SemanticClass, World};
 
@@ -20,9 +20,9 @@ const MOST: Scenery = Scenery {
 const ROBOT_M: f64 = 0.25;
 
 fn world(name: &str, amounts: Scenery, seed: u64) -> World {
-    let conditions = WorldConditions {
+    let conditions = Alterations {
         scenery: SceneryOptions { amounts, seed },
-        ..WorldConditions::default()
+        ..Alterations::default()
     };
     builtin_with(name, 1, conditions).unwrap().unwrap()
 }

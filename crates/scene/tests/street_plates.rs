@@ -1,15 +1,16 @@
 //! Worlds with door plates as in streets: what changes, and what does not.
 
 use openbench_scene::World;
-use openbench_scene::generate::{PlateOptions, WorldConditions, builtin, builtin_with};
+use openbench_scene::generate::{Alterations, PlateOptions, builtin, builtin_with};
 use openbench_scene::plates::{Facts, StreetPlates};
 
 fn world(name: &str, shares: StreetPlates, seed: u64) -> World {
-    let conditions = WorldConditions {
-        plates: PlateOptions { shares, seed },
-        ..WorldConditions::default()
+    let plates = PlateOptions { shares, seed };
+    let by = Alterations {
+        plates,
+        ..Alterations::default()
     };
-    builtin_with(name, 1, conditions).unwrap().unwrap()
+    builtin_with(name, 1, by).unwrap().unwrap()
 }
 
 #[test]

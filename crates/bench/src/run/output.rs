@@ -106,6 +106,7 @@ impl FinishedRun<'_> {
             drawn_robot: drawn(prepared),
             drawn_lens: drawn_lens(prepared),
             drawn_light: prepared.surroundings.light,
+            drawn_doors: prepared.world.doors,
             drawn_plates: prepared.world.plates.clone(),
             drawn_scenery: prepared.world.scenery.clone(),
             memory: record.memory.clone(),

@@ -49,6 +49,7 @@ pub fn departures(results: &Results) -> Vec<String> {
     );
     lines.extend(results.drawn_map.map(|map| map.describe()));
     lines.extend(computing(results));
+    lines.extend(results.drawn_doors.map(|doors| doors.describe()));
     lines.extend(
         results
             .drawn_plates

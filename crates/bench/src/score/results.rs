@@ -9,6 +9,7 @@ use std::path::Path;
 
 use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, Start, Work, input};
 use openbench_osm::disturb::MapState;
+use openbench_scene::DrawnDoors;
 use openbench_scene::plates::DrawnPlates;
 use openbench_scene::scenery::DrawnScenery;
 use openbench_sim::traffic::TrafficPlan;
@@ -71,6 +72,9 @@ pub struct Results {
     /// Hour, sun, clouds and lamps; absent if the light was the world's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_light: Option<Daylight>,
+    /// The doors that were drawn where the map has none; absent if none were to be drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn_doors: Option<DrawnDoors>,
     /// The plates that were drawn as in streets; absent if all are as in the published worlds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_plates: Option<DrawnPlates>,
@@ -533,6 +537,7 @@ pub(crate) mod tests {
             drawn_robot: None,
             drawn_lens: None,
             drawn_light: None,
+            drawn_doors: None,
             drawn_plates: None,
             drawn_scenery: None,
             memory: None,

@@ -70,6 +70,18 @@ impl Draw {
             .collect()
     }
 
+    /// As many episodes as there are in others, to as many doors each, those to one door first.
+    pub fn like(&mut self, others: &[Episode]) -> Vec<Episode> {
+        let (sequences, singles): (Vec<&Episode>, Vec<&Episode>) = others
+            .iter()
+            .partition(|episode| episode.deliveries.len() > 1);
+        let mut episodes = self.singles(singles.len());
+        for sequence in sequences {
+            episodes.extend(self.sequences(1, sequence.deliveries.len()));
+        }
+        episodes
+    }
+
     // The built-in suites are drawn anew by every version: the order of random draws, here and in
     // `sentence`, must not change.
     fn shuffled(&mut self) -> Vec<Address> {
@@ -146,6 +158,18 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_draw_like_others_has_their_numbers_and_is_the_same_like_itself() {
+        let mut draw = Draw::new(doors(5), 3);
+        let mut others = draw.sequences(2, 4);
+        others.extend(draw.singles(3));
+        let like = |others: &[Episode]| Draw::new(doors(3), 7).like(others);
+        let first = like(&others);
+        let lengths: Vec<usize> = first.iter().map(|e| e.deliveries.len()).collect();
+        assert_eq!(lengths, [1, 1, 1, 3, 3]);
+        assert_eq!(like(&first), first);
     }
 
     #[test]

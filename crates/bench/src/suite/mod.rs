@@ -30,13 +30,14 @@ pub mod truth_file;
 use std::path::{Path, PathBuf};
 
 use openbench_core::Address;
-use openbench_scene::generate::WorldConditions;
+use openbench_scene::generate::Alterations;
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use self::conditions::draw_lens;
 pub use self::conditions::{
-    Compute, Condition, ConditionError, Conditions, LightLevel, RobotErrors, StartErrors,
+    Compute, Condition, ConditionError, Conditions, DoorPlaces, LightLevel, RobotErrors,
+    StartErrors,
 };
 pub use self::goal::GoalKind;
 pub use self::sensors::Sensors;
@@ -176,9 +177,9 @@ impl Suite {
         Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
     }
 
-    /// What the conditions change in the world with the suite's seed.
-    pub fn world_conditions(&self) -> WorldConditions {
-        self.conditions.of_world(self.seed)
+    /// What the conditions change about the world itself, with the suite's seed.
+    pub fn alterations(&self) -> Alterations {
+        self.conditions.alterations(self.seed)
     }
 
     /// Whether maps, their frames, robots or surroundings of this suite differ from seed to seed.

@@ -13,8 +13,7 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use openbench_core::Address;
-use openbench_osm::{Location, OsmData, OsmMap, locate, write_atomically};
+use openbench_osm::{OsmData, write_atomically};
 use openbench_sim::traffic::TrafficPlan;
 
 use super::prepared::Prepared;
@@ -136,20 +135,9 @@ struct DoorCounts {
 
 /// Draws the suite's episodes.
 fn draw(prepared: &mut Prepared, request: DrawRequest) -> DoorCounts {
-    let (map, start) = (prepared.true_map(), prepared.world.start.point());
-    let doors = prepared.world.scene.doors.iter().zip(&prepared.approach);
-    let reachable: Vec<_> = doors
-        .filter(|(_, approach)| approach.is_some())
-        .map(|(door, _)| door)
-        .collect();
-    let candidates: Vec<Address> = reachable
-        .iter()
-        .filter(|door| door.point().distance(start) <= request.max_distance_m)
-        .filter(|door| is_unique(map, &door.address))
-        .map(|door| door.address.clone())
-        .collect();
+    let candidates = prepared.deliverable(request.max_distance_m);
     let counts = DoorCounts {
-        reachable: reachable.len(),
+        reachable: prepared.approach.iter().flatten().count(),
         candidates: candidates.len(),
     };
     let mut draw = Draw::new(candidates, request.seed);
@@ -160,14 +148,6 @@ fn draw(prepared: &mut Prepared, request: DrawRequest) -> DoorCounts {
     }
     prepared.suite.episodes = episodes;
     counts
-}
-
-/// Whether an address has one place on the map, so that an instruction can name it.
-fn is_unique(map: &OsmMap, address: &Address) -> bool {
-    matches!(
-        locate(map, address),
-        Location::Building(_) | Location::Unit { .. }
-    )
 }
 
 fn refuse_others(folder: &Path) -> Result<(), BenchError> {

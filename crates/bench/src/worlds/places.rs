@@ -3,7 +3,7 @@
 
 use openbench_osm::{OsmData, default_georeference};
 use openbench_scene::World;
-use openbench_scene::generate::{GenerateOptions, WorldConditions, generate};
+use openbench_scene::generate::{Alterations, GenerateOptions, generate};
 
 use crate::BenchError;
 use crate::suite::WorldSource;
@@ -57,11 +57,7 @@ impl Place {
     ///
     /// # Errors
     /// [`BenchError::World`] if the world cannot be built.
-    pub(crate) fn world(
-        &self,
-        seed: u64,
-        conditions: WorldConditions,
-    ) -> Result<World, BenchError> {
+    pub(crate) fn world(&self, seed: u64, by: Alterations) -> Result<World, BenchError> {
         let data = OsmData::from_xml(self.xml.as_bytes()).map_err(BenchError::world)?;
         let georeference = default_georeference(&data).map_err(BenchError::world)?;
         let options = GenerateOptions {
@@ -70,8 +66,9 @@ impl Place {
                 "Map `{}`: © OpenStreetMap contributors, ODbL 1.0",
                 self.name
             )],
-            ..GenerateOptions::default().with(conditions)
-        };
+            ..GenerateOptions::default()
+        }
+        .altered(by);
         generate(&data, georeference, seed, &options).map_err(BenchError::world)
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use openbench_core::{Address, Georeference, MapPoint, Pose2, RobotDescription};
 use openbench_geometry::Bounds;
 use openbench_osm::disturb::MapErrors;
-use openbench_osm::{ElementId, OsmData, OsmMap, Projection};
+use openbench_osm::{ElementId, Location, OsmData, OsmMap, Projection, locate};
 use openbench_scene::{FreeSpace, World};
 use openbench_sim::traffic::{PERSON_RADIUS_M, Traffic};
 use openbench_sim::{Defects, Simulator, Stage, Surroundings};
@@ -17,6 +17,7 @@ use super::public_map::{OnMap, OtherMap, building_of};
 use super::surroundings::surroundings;
 use super::targets::{Target, find_doors, match_doors, read_truths};
 use crate::BenchError;
+use crate::suite::draw::Draw;
 use crate::suite::{Condition, GoalKind, Suite, TargetSource};
 
 /// Constant part of the time limit of a delivery.
@@ -25,6 +26,10 @@ const BASE_TIME_LIMIT_S: f64 = 120.0;
 const TIME_LIMIT_S_PER_M: f64 = 8.0 / 0.5;
 /// Paths that the public limit allows for are longer than straight lines by this factor.
 const PUBLIC_DETOUR: f64 = 2.0;
+
+/// Largest straight-line distance from the start of doors that are drawn for a run, metres; as
+/// `world generate` has it by default.
+const MOST_FROM_START_M: f64 = 250.0;
 
 /// An episode with its doors looked up.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +83,8 @@ pub struct Prepared {
 
 impl Prepared {
     /// Builds the world of a suite and looks up its doors, by address or, if `truth` is given, by
-    /// the true positions in that file.
+    /// the true positions in that file. Where doors are drawn, so are deliveries that were drawn
+    /// from doors of the world, see [`DoorPlaces`](crate::suite::DoorPlaces).
     ///
     /// # Errors
     /// A world that cannot be built, a truth file that does not fit, or an episode without
@@ -92,6 +98,9 @@ impl Prepared {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn with_episodes(mut self, truth: Option<&Path>) -> Result<Self, BenchError> {
+        if truth.is_none() {
+            self.draw_deliveries_again()?;
+        }
         let truths = truth
             .map(|path| read_truths(path, &self.suite, &self.world.scene.doors))
             .transpose()?;
@@ -131,7 +140,7 @@ impl Prepared {
     /// Builds the world of a suite. Which buildings the public map spares is not known before the
     /// episodes are.
     fn with_true_map(suite: Suite) -> Result<Self, BenchError> {
-        let world = load_with(&suite.world, suite.world_conditions())?;
+        let world = load_with(&suite.world, suite.alterations())?;
         let mut robot = suite.sensors.robot();
         robot.camera_intrinsics.distortion = suite.conditions.camera.distortion();
         let surroundings = surroundings(&world, &suite.conditions, suite.seed);
@@ -181,8 +190,8 @@ impl Prepared {
         if suite.seed == self.suite.seed {
             return Ok(None);
         }
-        if !suite.conditions.plates.is_off() {
-            // They are parts of the world.
+        if suite.alterations() != self.suite.alterations() {
+            // The world is another one.
             return Self::new(suite, self.truth.as_deref()).map(Some);
         }
         let other = self.redrawn(suite);
@@ -230,6 +239,39 @@ impl Prepared {
         let other = OtherMap::new(&self.world, errors, &ordered, self.suite.seed)?;
         self.other_map = Some(other);
         Ok(())
+    }
+
+    /// Draws the deliveries of a suite again if they were drawn from doors of the world, and some
+    /// of its doors depend on the seed: as many, each to as many doors.
+    fn draw_deliveries_again(&mut self) -> Result<(), BenchError> {
+        let has_drawn = self.world.doors.is_some_and(|drawn| drawn.doors > 0);
+        if !has_drawn || self.suite.targets != TargetSource::World {
+            return Ok(());
+        }
+        let doors = self.deliverable(MOST_FROM_START_M);
+        if doors.is_empty() {
+            return Err(BenchError::world(format!(
+                "{}: a robot reaches no door within {MOST_FROM_START_M} m; use another seed",
+                self.suite.name
+            )));
+        }
+        let episodes = &self.suite.episodes;
+        self.suite.episodes = Draw::new(doors, self.suite.seed).like(episodes);
+        Ok(())
+    }
+
+    /// The addresses of the doors that a robot reaches, that an instruction can name, and that lie
+    /// within so many metres of the start, in a straight line.
+    pub fn deliverable(&self, max_distance_m: f64) -> Vec<Address> {
+        let start = self.world.start.point();
+        let doors = self.world.scene.doors.iter().zip(&self.approach);
+        let reached = doors.filter(|(_, approach)| approach.is_some());
+        reached
+            .map(|(door, _)| door)
+            .filter(|door| door.point().distance(start) <= max_distance_m)
+            .filter(|door| is_unique(&self.true_map, &door.address))
+            .map(|door| door.address.clone())
+            .collect()
     }
 
     /// Where the doors of the episodes are known from.
@@ -475,6 +517,14 @@ fn no_point_goal(number: usize, episode: &PreparedEpisode) -> BenchError {
     BenchError::world(format!(
         "episode {number} has no point as its goal: {problem}"
     ))
+}
+
+/// Whether an address has one place on the map, so that an instruction can name it.
+fn is_unique(map: &OsmMap, address: &Address) -> bool {
+    matches!(
+        locate(map, address),
+        Location::Building(_) | Location::Unit { .. }
+    )
 }
 
 /// The first of many words, and how many follow.

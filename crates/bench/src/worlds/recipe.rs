@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use openbench_core::{Georeference, Pose2, input};
 use openbench_osm::OsmData;
 use openbench_scene::World;
-use openbench_scene::generate::{GenerateOptions, WorldConditions, generate};
+use openbench_scene::generate::{Alterations, GenerateOptions, generate};
 use openbench_scene::{ImportRequest, import_world};
 use serde::{Deserialize, Serialize};
 
@@ -99,7 +99,7 @@ impl Recipe {
     /// # Errors
     /// A georeference or map that cannot be read, or a world that cannot be built.
     pub fn build(&self, folder: &Path) -> Result<World, BenchError> {
-        self.build_with(folder, WorldConditions::default())
+        self.build_with(folder, Alterations::default())
     }
 
     /// Whether the world was made elsewhere.
@@ -107,15 +107,11 @@ impl Recipe {
         matches!(self, Self::Imported { .. })
     }
 
-    /// Builds the world under conditions; imported worlds stay as they are.
+    /// Builds the world altered; imported worlds stay as they are.
     ///
     /// # Errors
     /// As [`build`](Self::build).
-    pub fn build_with(
-        &self,
-        folder: &Path,
-        conditions: WorldConditions,
-    ) -> Result<World, BenchError> {
+    pub fn build_with(&self, folder: &Path, by: Alterations) -> Result<World, BenchError> {
         let recipe = folder.join(RECIPE);
         let place = |words: &str| {
             words
@@ -131,7 +127,7 @@ impl Recipe {
             } => {
                 let data = read_map(&folder.join(map))?;
                 // Always present: only imported worlds have none.
-                let options = self.options().unwrap_or_default().with(conditions);
+                let options = self.options().unwrap_or_default().altered(by);
                 generate(&data, place(georeference)?, *seed, &options).map_err(BenchError::world)?
             }
             Self::Imported {

@@ -230,8 +230,8 @@ pub struct ShowArgs {
     /// such as utm:50N,-500000,-4483000
     #[arg(long)]
     pub georef: Option<String>,
-    /// Show the world under a condition; may be repeated. plates=real changes the world; others,
-    /// such as light=night, need --from, and give the robot's own image of 640 x 480
+    /// Show the world under a condition; may be repeated. doors=drawn and plates=real change the
+    /// world; others, such as light=night, need --from, and give the robot's own image of 640 x 480
     #[arg(long = "condition", value_name = "KEY=VALUE", value_parser = key_value)]
     pub conditions: Vec<(String, String)>,
     /// Seed of what conditions draw, as of a run

@@ -27,7 +27,7 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
         let set = conditions.set(key, value);
         set.with_context(|| format!("--condition {key}={value}"))?;
     }
-    let world = load_with(&source(args)?, conditions.of_world(args.seed))?;
+    let world = load_with(&source(args)?, conditions.alterations(args.seed))?;
     world.warnings.iter().for_each(|w| tell(w));
     let plan = TrafficPlan {
         pedestrians: args.pedestrians.into(),
@@ -70,12 +70,7 @@ pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
 
 /// Whether conditions change the world alone, and nothing about how a robot sees it.
 fn is_of_world(conditions: &Conditions) -> bool {
-    let seen = Conditions {
-        plates: Default::default(),
-        scenery: Default::default(),
-        ..*conditions
-    };
-    seen.are_off()
+    conditions.outside_world().are_off()
 }
 
 /// The pose for an image as the robot takes it.

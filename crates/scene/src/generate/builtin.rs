@@ -3,7 +3,7 @@
 use openbench_core::{Georeference, Pose2};
 use openbench_osm::OsmData;
 
-use super::{GenerateError, GenerateOptions, WorldConditions, generate};
+use super::{Alterations, GenerateError, GenerateOptions, generate};
 use crate::world::World;
 
 /// A map that the crate carries.
@@ -55,21 +55,22 @@ pub(crate) fn builtin_map(name: &str) -> Option<Result<OsmData, GenerateError>> 
 
 /// A built-in world; `None` if there is none of that name.
 pub fn builtin(name: &str, seed: u64) -> Option<Result<World, GenerateError>> {
-    builtin_with(name, seed, WorldConditions::default())
+    builtin_with(name, seed, Alterations::default())
 }
 
-/// A built-in world under conditions; `None` if there is none of that name.
+/// A built-in world that is altered; `None` if there is none of that name.
 pub fn builtin_with(
     name: &str,
     seed: u64,
-    conditions: WorldConditions,
+    by: Alterations,
 ) -> Option<Result<World, GenerateError>> {
     let options = GenerateOptions {
         name: name.to_owned(),
         start: Some(Pose2::default()),
         attribution: vec![format!("Built-in map `{name}`: a made-up place, CC0")],
-        ..GenerateOptions::default().with(conditions)
-    };
+        ..GenerateOptions::default()
+    }
+    .altered(by);
     let map = builtin_map(name)?;
     Some(map.and_then(|data| generate(&data, builtin_georeference(), seed, &options)))
 }

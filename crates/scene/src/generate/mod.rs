@@ -58,11 +58,12 @@ use openbench_osm::{OsmData, OsmMap, renumbered, without_doors};
 
 pub use builtin::{builtin, builtin_georeference, builtin_names, builtin_with};
 pub use error::GenerateError;
-pub use options::{GenerateOptions, PlateOptions, SceneryOptions, WorldConditions};
+pub use options::{Alterations, GenerateOptions, PlateOptions, SceneryOptions};
 pub use streets::car::car_figure;
 
 use crate::scene::SceneBuilder;
 use crate::world::{MAX_FROM_ORIGIN_M, World};
+use doors::drawn::Draw;
 use doors::entrances;
 use doors::neighbourhood::Neighbourhood;
 use inputs::Inputs;
@@ -219,13 +220,18 @@ fn generate_within(
     // What is computed first restricts what follows: doors look for walls that the map leaves free,
     // walls around water avoid nothing, and the start avoids all of them.
     let mut clearance = keep_free::of_map(&map, &sea);
-    let mut public = without_doors(data);
-    // The public map loses its doors and gets the names of buildings by which doors are ordered.
-    let placed = entrances::place(&map, &mut public, seed, options, &clearance);
-    let doorways = placed.doorways;
-    keep_free::add_doorways(&mut clearance, &doorways);
     let lanes = Lanes::new(&map.roads, |_| true);
     let quays = quays::lines(&map, &lanes, &sea, &clearance, extent);
+    let mut public = without_doors(data);
+    let seed_of_doors = options.drawn_doors.filter(|_| options.invent_doors);
+    let draw = seed_of_doors.map(|seed| Draw {
+        seed,
+        reach: start::reach_of_streets(&map, extent, walls_of(&map, &lanes, &quays).into_iter()),
+    });
+    // The public map loses its doors and gets the names of buildings by which doors are ordered.
+    let placed = entrances::place(&map, &mut public, seed, options, &clearance, draw.as_ref());
+    let doorways = placed.doorways;
+    keep_free::add_doorways(&mut clearance, &doorways);
     let start = match options.start {
         // A start that is asked for is taken as it is, free or not.
         Some(start) => start,
@@ -283,6 +289,7 @@ fn generate_within(
         georeference,
         start,
         attribution: options.attribution.clone(),
+        doors: placed.drawn,
         plates: finished.plates.filter(|_| options.plates.shares.real),
         scenery: Some(finished.scenery).filter(|_| !options.scenery.amounts.is_plain()),
         warnings: finished.warnings,

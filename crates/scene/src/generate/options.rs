@@ -19,12 +19,40 @@ pub struct GenerateOptions {
     pub planting: f64,
     /// Whether a building without a mapped entrance gets a door towards the street.
     pub invent_doors: bool,
+    /// Seed by which the doors of those buildings are drawn in any of their walls, with their
+    /// numbers, in place of that one door; `None` draws none. It is apart from the world's own: the
+    /// same streets can get other doors.
+    pub drawn_doors: Option<u64>,
     /// What door plates are like.
     pub plates: PlateOptions,
     /// What makes streets differ.
     pub scenery: SceneryOptions,
     /// Licences and authors of the map, copied to the world.
     pub attribution: Vec<String>,
+}
+
+/// What the conditions of a run change about a world; by default nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Alterations {
+    /// What door plates are like.
+    pub plates: PlateOptions,
+    /// See [`GenerateOptions::drawn_doors`].
+    pub drawn_doors: Option<u64>,
+    /// What makes streets differ.
+    pub scenery: SceneryOptions,
+}
+
+impl GenerateOptions {
+    /// The same options in a world that is altered.
+    #[must_use]
+    pub fn altered(self, by: Alterations) -> Self {
+        Self {
+            plates: by.plates,
+            drawn_doors: by.drawn_doors,
+            scenery: by.scenery,
+            ..self
+        }
+    }
 }
 
 impl Default for GenerateOptions {
@@ -35,32 +63,12 @@ impl Default for GenerateOptions {
             parked_cars: 0.6,
             planting: 0.5,
             invent_doors: true,
+            drawn_doors: None,
             plates: PlateOptions::default(),
             scenery: SceneryOptions::default(),
             attribution: Vec::new(),
         }
     }
-}
-
-impl GenerateOptions {
-    /// The same settings with the conditions of a run.
-    #[must_use]
-    pub fn with(self, conditions: WorldConditions) -> Self {
-        Self {
-            plates: conditions.plates,
-            scenery: conditions.scenery,
-            ..self
-        }
-    }
-}
-
-/// What the conditions of a run change in a world; by default nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct WorldConditions {
-    /// What door plates are like.
-    pub plates: PlateOptions,
-    /// What makes streets differ.
-    pub scenery: SceneryOptions,
 }
 
 /// What makes streets differ; by default nothing.

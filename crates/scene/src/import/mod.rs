@@ -146,6 +146,7 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
         builder.set_sun(sun);
     }
     Ok(World {
+        doors: None,
         plates: None,
         scenery: None,
         name: request

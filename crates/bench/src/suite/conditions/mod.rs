@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `level` | conditions by name, or by numbers |
 //! | `map` | `[map]`: how wrong the public map is |
+//! | `doors` | `[doors]`: where doors are that no map has |
 //! | `plates` | `[plates]`: what door plates are like |
 //! | `scenery` | `[scenery]`: what makes streets differ |
 //! | `start` | `[start]`: how well an agent knows where it starts |
@@ -20,6 +21,7 @@
 
 mod camera;
 mod compute;
+mod doors;
 mod level;
 mod lidar;
 mod light;
@@ -31,7 +33,7 @@ mod start;
 mod weather;
 
 use openbench_osm::disturb::MapErrors;
-use openbench_scene::generate::{PlateOptions, SceneryOptions, WorldConditions};
+use openbench_scene::generate::{Alterations, PlateOptions, SceneryOptions};
 use openbench_scene::plates::StreetPlates;
 use openbench_scene::scenery::Scenery;
 use openbench_sim::lidar::BeamErrors;
@@ -41,6 +43,7 @@ use serde_json::{Map, Value};
 
 pub(crate) use camera::draw_lens;
 pub use compute::Compute;
+pub use doors::DoorPlaces;
 pub use level::{Condition, ConditionError};
 pub use light::LightLevel;
 pub use robot::RobotErrors;
@@ -140,6 +143,8 @@ conditions! {
         weather: Weather,
         /// What is wrong with the LiDAR's returns.
         lidar: BeamErrors,
+        /// Where doors are that no map has.
+        doors: DoorPlaces,
         /// What door plates are like, and other text.
         plates: StreetPlates,
         /// What makes streets differ: ground, shapes, things in the way, steps and kerbs.
@@ -150,17 +155,37 @@ conditions! {
 }
 
 impl Conditions {
-    /// What they change in a world whose conditions are drawn by `seed`.
-    pub fn of_world(&self, seed: u64) -> WorldConditions {
-        WorldConditions {
-            plates: PlateOptions {
-                shares: self.plates,
-                seed,
+    /// What they change about the world itself, drawn from the seed of a run.
+    pub fn alterations(&self, seed: u64) -> Alterations {
+        let plates = PlateOptions {
+            shares: self.plates,
+            seed,
+        };
+        Alterations {
+            // Without the seed where it draws nothing, so that equal worlds are known as equal.
+            plates: match self.plates.is_off() {
+                true => PlateOptions::default(),
+                false => plates,
             },
-            scenery: SceneryOptions {
-                amounts: self.scenery,
-                seed,
+            drawn_doors: self.doors.drawn.then_some(seed),
+            scenery: match self.scenery.is_off() {
+                true => SceneryOptions::default(),
+                false => SceneryOptions {
+                    amounts: self.scenery,
+                    seed,
+                },
             },
+        }
+    }
+
+    /// Those that change nothing about the world itself.
+    #[must_use]
+    pub fn outside_world(self) -> Self {
+        Self {
+            plates: StreetPlates::off(),
+            doors: DoorPlaces::off(),
+            scenery: Scenery::off(),
+            ..self
         }
     }
 }
@@ -283,6 +308,8 @@ mod tests {
                 "[lidar]\nglass = 1.5",
                 "glass = 1.5: give a number from 0 to 1",
             ),
+            ("doors = \"real\"", "write one of mapped, drawn"),
+            ("[doors]\ndrawn = 3", "invalid type"),
             ("light = \"dawn\"", "write one of noon, day, overcast, dusk"),
             (
                 "[light]\nclouds = 2",

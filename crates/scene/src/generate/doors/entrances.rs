@@ -1,17 +1,21 @@
-//! Where the doors are: at the map's `entrance` nodes; else, if asked for, one in the wall nearest
-//! to a street. The names of their buildings, in the public map too, come from
-//! [`naming`](super::naming).
+//! Where the doors are: at the map's `entrance` nodes; else, if asked for, where a seed draws them
+//! (see [`drawn`](super::drawn)), or one in the wall nearest to a street. The names of their
+//! buildings, in the public map too, come from [`naming`](super::naming).
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{Address, MapPoint};
 use openbench_geometry::Segment;
+use openbench_osm::draws::{self, mix};
+use openbench_osm::houses::{DrawnDoor, draw_doors};
 use openbench_osm::names::{fold, fold_unit};
 use openbench_osm::{Building, Entrance, OsmData, OsmMap};
 use rand_pcg::Pcg64Mcg;
 
 use super::doorway::{Doorway, LEAF_WIDTH_M};
+use super::drawn::{DOORS_STREAM, Draw, PLATE_STREAM, wish};
 use super::naming::Names;
+use crate::drawn_doors::DrawnDoors;
 use crate::generate::buildings::house::is_open_below;
 use crate::generate::buildings::walls::walls;
 use crate::generate::layout::clearance::{BUILDING, Clearance, PATH, ROAD};
@@ -45,6 +49,8 @@ const MAX_TEXTS: usize = 500;
 pub(crate) struct Placed {
     /// In the order of buildings and their entrances.
     pub doorways: Vec<Doorway>,
+    /// Those that were drawn; `None` if none were asked for.
+    pub drawn: Option<DrawnDoors>,
     /// What had to be left out.
     pub warnings: Vec<String>,
 }
@@ -57,6 +63,13 @@ struct Place {
     foot: MapPoint,
 }
 
+/// The doors that were drawn for a building.
+struct DoorsOfHome {
+    /// Index of the building.
+    building: usize,
+    doors: Vec<DrawnDoor>,
+}
+
 /// A place, and its cost: the lower, the better.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
@@ -65,14 +78,15 @@ struct Candidate {
 }
 
 /// Places the doors of all buildings, and writes the names of their buildings into the public map.
+/// Where the map has none, doors are drawn, or else invented if the options say so.
 pub(crate) fn place(
     map: &OsmMap,
     public: &mut OsmData,
     seed: u64,
     options: &GenerateOptions,
     clearance: &Clearance,
+    draw: Option<&Draw>,
 ) -> Placed {
-    let mut doorways = Vec::new();
     let mut placer = Placer {
         map,
         clearance,
@@ -84,22 +98,33 @@ pub(crate) fn place(
         repeated: 0,
         beyond: 0,
     };
+    let mut found = BTreeMap::new();
+    let mut without = Vec::new();
     for (index, entrances) in entrances_of_buildings(map).iter().enumerate() {
-        let found = if !entrances.is_empty() {
-            placer.mapped(index, entrances)
+        if !entrances.is_empty() {
+            found.insert(index, placer.mapped(index, entrances));
+        } else if draw.is_some() {
+            without.push(index);
         } else if options.invent_doors {
-            placer.invented(index).into_iter().collect()
-        } else {
-            Vec::new()
-        };
+            found.insert(index, placer.invented(index).into_iter().collect());
+        }
+    }
+    // After the mapped ones, so that those keep their names whatever is drawn.
+    let drawn = draw.map(|draw| placer.draw(draw, &without, &mut found));
+    let mut doorways = Vec::new();
+    for doors in found.into_values() {
         // Names are drawn for doors beyond the limit too: the limit must not rename the others.
         let room = MAX_DOORS.saturating_sub(doorways.len());
-        placer.beyond += found.len().saturating_sub(room);
-        doorways.extend(found.into_iter().take(room));
+        placer.beyond += doors.len().saturating_sub(room);
+        doorways.extend(doors.into_iter().take(room));
     }
     let warnings = placer.warnings();
     placer.names.write(public);
-    Placed { doorways, warnings }
+    Placed {
+        doorways,
+        drawn,
+        warnings,
+    }
 }
 
 /// The map's entrances, by building.
@@ -216,6 +241,84 @@ impl Placer<'_> {
         self.clearance
             .areas_at(place.foot.offset(inward, BEHIND_M), BUILDING)
             < 2
+    }
+
+    /// Draws the doors of buildings without mapped entrances, and adds them to those `found`.
+    fn draw(
+        &mut self,
+        draw: &Draw,
+        buildings: &[usize],
+        found: &mut BTreeMap<usize, Vec<Doorway>>,
+    ) -> DrawnDoors {
+        let mut counts = DrawnDoors {
+            mapped: found.values().map(Vec::len).sum(),
+            ..DrawnDoors::default()
+        };
+        let is_home = |index: &usize| {
+            let building = &self.map.buildings[*index];
+            is_home(building) && !is_open_below(&building.tags)
+        };
+        let homes = buildings.iter().copied().filter(is_home);
+        let drawn: Vec<DoorsOfHome> = homes.map(|home| self.doors_of(draw, home)).collect();
+        let (with, without): (Vec<_>, Vec<_>) =
+            drawn.into_iter().partition(|home| !home.doors.is_empty());
+        counts.without = without.len();
+        counts.buildings = with.len();
+        // Neighbours in a street are numbered together.
+        let numbered: Vec<usize> = with.iter().map(|home| home.building).collect();
+        counts.numbers = self.names.draw_numbers(&numbered, draw.seed);
+        for home in with {
+            home.doors.iter().for_each(|door| counts.count(door.face));
+            found.insert(home.building, self.hang(draw.seed, home));
+        }
+        counts
+    }
+
+    fn doors_of(&self, draw: &Draw, index: usize) -> DoorsOfHome {
+        let building = &self.map.buildings[index];
+        let number = element_number(building.element);
+        let mut draws = draws::stream(draw.seed, DOORS_STREAM, number);
+        let wish = wish(building, self.clearance, &mut draws);
+        let is_free = |wall: Segment, foot: MapPoint| {
+            draw.fits(self.clearance, wall, foot) && self.is_unshared(&Place { wall, foot })
+        };
+        let walls = walls(building).into_iter();
+        DoorsOfHome {
+            building: index,
+            doors: draw_doors(walls, wish, is_free, &mut draws),
+        }
+    }
+
+    /// Drawn doors with their addresses and the places of their plates.
+    fn hang(&mut self, seed: u64, home: DoorsOfHome) -> Vec<Doorway> {
+        let building = &self.map.buildings[home.building];
+        let number = element_number(building.element);
+        // Not by a door, which the number in the public map would give away.
+        let middle = building.polygon.centroid();
+        let name = fold(&self.names.of(home.building, middle));
+        let mut doors: Vec<Doorway> = Vec::new();
+        for (i, door) in home.doors.into_iter().enumerate() {
+            let used = self.units.get(&name).cloned().unwrap_or_default();
+            let unit = Some(fold_unit(&door.unit)).filter(|unit| !used.contains(unit));
+            let Some(unit) = unit.or_else(|| free_unit(&used, &[])) else {
+                continue;
+            };
+            let place = Place {
+                wall: door.wall,
+                foot: door.at,
+            };
+            let mut rng = draws::stream(seed, PLATE_STREAM, mix(number) ^ i as u64);
+            let address = self.take(home.building, middle, &unit);
+            doors.push(doorway(
+                home.building,
+                address,
+                &unit,
+                place,
+                &mut rng,
+                &doors,
+            ));
+        }
+        doors
     }
 
     /// A door for a building without a mapped entrance, in the wall nearest to a street.

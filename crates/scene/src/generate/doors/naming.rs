@@ -4,17 +4,20 @@
 //! A name of the map is kept if it is the building's alone; else street and house number, if they
 //! are. A building without a name gets the address of a node in it or at its door, else an invented
 //! number in the nearest named street, else `building<N>`. Invented numbers count along the street,
-//! even ones on the right.
+//! even ones on the right. Where doors are drawn, numbers are too, see
+//! [`numbering`](super::numbering).
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{Address, MapPoint};
 use openbench_geometry::line::length;
+use openbench_osm::draws::{self, mix};
 use openbench_osm::names::{building_name, fold};
 use openbench_osm::{
     Building, ElementId, ElementKind, Location, OsmData, OsmMap, Road, Tags, locate,
 };
 
+use super::numbering::{Beside, DrawnNumber, StreetSides};
 use crate::generate::layout::lanes::Lanes;
 use crate::generate::streets::profile::profile;
 
@@ -22,6 +25,8 @@ use crate::generate::streets::profile::profile;
 const NEAR_STREET_M: f64 = 60.0;
 /// A node with an address within this distance of a building is that building's, metres.
 const NEAR_NODE_M: f64 = 3.0;
+/// Stream of the run's seed for the house numbers of a street.
+const NUMBERS_STREAM: u64 = 113;
 /// Length of street in which house numbers go up by two, metres.
 const PLOT_M: f64 = 12.0;
 /// The highest house number that is tried.
@@ -40,6 +45,8 @@ pub(super) struct Names<'a> {
     /// Names that were given, folded.
     taken: BTreeSet<String>,
     given: BTreeMap<ElementId, String>,
+    /// House numbers that were drawn, by building.
+    drawn: BTreeMap<usize, StreetAddress>,
     added: Vec<AddedTags>,
 }
 
@@ -47,6 +54,14 @@ pub(super) struct Names<'a> {
 struct StreetAddress {
     street: String,
     number: String,
+}
+
+/// A place beside a street.
+struct InStreet<'a> {
+    street: &'a str,
+    /// Metres along the street.
+    along: f64,
+    is_left: bool,
 }
 
 /// Tags that an element of the public map gets.
@@ -81,8 +96,78 @@ impl<'a> Names<'a> {
             addresses: addresses(map, data),
             taken: BTreeSet::new(),
             given: BTreeMap::new(),
+            drawn: BTreeMap::new(),
             added: Vec::new(),
         }
+    }
+
+    /// Draws house numbers for those of the buildings, in ascending order, that the map gives none.
+    /// Returns how many.
+    pub fn draw_numbers(&mut self, buildings: &[usize], seed: u64) -> usize {
+        for (street, sides) in self.sides_of_streets(buildings) {
+            let name = street.bytes().fold(0, |n, byte| mix(n ^ u64::from(byte)));
+            let is_taken = |number: &str| self.address(&street, number).is_none();
+            let mut draws = draws::stream(seed, NUMBERS_STREAM, name);
+            let numbered = sides.number(is_taken, &mut draws);
+            for DrawnNumber { building, number } in numbered {
+                let street = street.clone();
+                self.drawn
+                    .insert(building, StreetAddress { street, number });
+            }
+        }
+        self.drawn.len()
+    }
+
+    /// The buildings beside each street, of those without a number only the ones asked for, which
+    /// are in ascending order.
+    fn sides_of_streets(&self, asked: &[usize]) -> BTreeMap<String, StreetSides> {
+        let mut streets: BTreeMap<String, StreetSides> = BTreeMap::new();
+        for building in 0..self.map.buildings.len() {
+            let middle = self.map.buildings[building].polygon.centroid();
+            let Some(InStreet {
+                street,
+                along,
+                is_left,
+            }) = self.place_in_street(middle)
+            else {
+                continue;
+            };
+            let beside = Beside {
+                building,
+                along,
+                is_left,
+            };
+            let sides = streets.entry(street.to_owned()).or_default();
+            match self.mapped_number(building, street) {
+                Some(number) => sides.with.push((beside, number)),
+                None if asked.binary_search(&building).is_ok() && !self.is_named(building) => {
+                    sides.without.push(beside);
+                }
+                None => {}
+            }
+        }
+        streets
+    }
+
+    /// The number that the map gives to a building in a street.
+    fn mapped_number(&self, index: usize, street: &str) -> Option<String> {
+        let tags = &self.map.buildings[index].tags;
+        let own = tags.get("addr:housenumber").map(str::to_owned);
+        let of_street = own.filter(|_| tags.is("addr:street", street));
+        let on_node = self.addresses.get(&index).filter(|a| a.street == street);
+        of_street.or_else(|| on_node.map(|address| address.number.clone()))
+    }
+
+    /// Whether the map has a name or number for a building that is its own.
+    fn is_named(&self, index: usize) -> bool {
+        let building = &self.map.buildings[index];
+        let own = |key: &str| building.tags.get(key);
+        let number = own("addr:housenumber");
+        let street = own("addr:street").or_else(|| own("addr:place"));
+        let known = known_names(building, street, number);
+        number.is_some()
+            || self.addresses.contains_key(&index)
+            || known.iter().any(|name| self.is_unique(name))
     }
 
     /// The name that a building has so far.
@@ -146,6 +231,10 @@ impl<'a> Names<'a> {
         if let Some(found) = on_node.and_then(|a| self.address(&a.street, &a.number)) {
             return found;
         }
+        let drawn = self.drawn.get(&index);
+        if let Some(found) = drawn.and_then(|a| self.address(&a.street, &a.number)) {
+            return found;
+        }
         // A number that belongs to another street is none in this one.
         if let Some(found) = self.in_street(number.filter(|_| street.is_none()), door) {
             return found;
@@ -173,26 +262,39 @@ impl<'a> Names<'a> {
 
     /// A number in the nearest named street: the one that is given, or an invented one.
     fn in_street(&self, given: Option<String>, door: MapPoint) -> Option<Named> {
-        let lane = self
-            .streets
-            .nearest(&self.map.roads, door, NEAR_STREET_M)?
-            .lane;
-        let road = &self.map.roads[lane.road as usize];
-        let street = road.tags.get("name").filter(|name| is_plain(name))?;
+        let InStreet {
+            street,
+            along,
+            is_left,
+        } = self.place_in_street(door)?;
         if let Some(found) = given.and_then(|number| self.address(street, &number)) {
             return Some(found);
         }
-        // In the axes of the street's segment: how far along it, and on which side.
-        let (run, aside) = lane.ends(&self.map.roads).pose().inverse_transform(door);
-        let before = length(&road.points[..=lane.segment as usize]);
-        let along = self.begins[lane.road as usize] + before + run.max(0.0);
         let plot = (along / PLOT_M).min(1e6) as u32;
         // Odd numbers on the left. On streets of absurd length the numbers begin again.
-        let first = 2 * (plot % (MOST_NUMBERS / 2)) + if aside > 0.0 { 1 } else { 2 };
+        let first = 2 * (plot % (MOST_NUMBERS / 2)) + if is_left { 1 } else { 2 };
         (first..=MOST_NUMBERS + 2)
             // By two, so that the number stays on its side of the street.
             .step_by(2)
             .find_map(|number| self.address(street, &number.to_string()))
+    }
+
+    /// Where a point is in the nearest named street.
+    fn place_in_street(&self, point: MapPoint) -> Option<InStreet<'_>> {
+        let lane = self
+            .streets
+            .nearest(&self.map.roads, point, NEAR_STREET_M)?
+            .lane;
+        let road = &self.map.roads[lane.road as usize];
+        let street = road.tags.get("name").filter(|name| is_plain(name))?;
+        // In the axes of the street's segment: how far along it, and on which side.
+        let (run, aside) = lane.ends(&self.map.roads).pose().inverse_transform(point);
+        let before = length(&road.points[..=lane.segment as usize]);
+        Some(InStreet {
+            street,
+            along: self.begins[lane.road as usize] + before + run.max(0.0),
+            is_left: aside > 0.0,
+        })
     }
 
     /// Street and number as a name with its tags, if no building has it yet.

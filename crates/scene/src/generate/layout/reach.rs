@@ -1,8 +1,8 @@
 //! Which parts of the ground are connected, roughly: walls and barriers of the map on a grid of
 //! half a metre.
 //!
-//! Only for choosing a start from which most doors are reached; [`FreeSpace`](crate::FreeSpace)
-//! says where a robot can really drive in the finished world.
+//! Only for choosing doors to which streets lead, and a start from which most doors are reached;
+//! [`FreeSpace`](crate::FreeSpace) says where a robot can really drive in the finished world.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -10,8 +10,6 @@ use std::collections::BTreeMap;
 use openbench_core::MapPoint;
 use openbench_geometry::grid::{GridGeometry, squared_distances};
 use openbench_geometry::{Bounds, Segment};
-
-use crate::generate::doors::doorway::Doorway;
 
 /// Side of a cell, metres, unless the map is so large that cells must be larger.
 const CELL_M: f64 = 0.5;
@@ -21,21 +19,23 @@ const MAX_CELLS: usize = 4_000;
 const MARGIN_M: f64 = 20.0;
 /// Free space that a robot needs to each side, metres.
 const HALF_WIDTH_M: f64 = 0.45;
-/// Distance in front of a door at which a robot must be able to stand, metres.
-const BEFORE_DOOR_M: f64 = 1.2;
 
-/// The ground from which the most doors are reached.
-pub(super) struct Reach {
+/// The connected ground that holds the most of some places.
+pub(crate) struct Reach {
     grid: GridGeometry,
     /// For each cell the number of its connected part; 0 where there is no room.
     part: Vec<u32>,
-    /// The part that reaches the most doors; 0 if none does.
+    /// The part that holds the most places; 0 if none does.
     best: u32,
 }
 
 impl Reach {
-    /// The ground between `walls`.
-    pub fn new(extent: Bounds, walls: impl Iterator<Item = Segment>, doorways: &[Doorway]) -> Self {
+    /// The ground between `walls` that holds the most of `places`.
+    pub fn new(
+        extent: Bounds,
+        walls: impl Iterator<Item = Segment>,
+        places: impl Iterator<Item = MapPoint>,
+    ) -> Self {
         let Bounds { low, high } = extent.grown(MARGIN_M);
         let longer_side = (high.x - low.x).max(high.y - low.y);
         let cell = CELL_M.max(longer_side / (MAX_CELLS - 1) as f64);
@@ -45,14 +45,14 @@ impl Reach {
         let limit = (HALF_WIDTH_M / cell) * (HALF_WIDTH_M / cell);
         let clearance = squared_distances(&blocked, grid.width, grid.height);
         let part = parts(&grid, |c| f64::from(clearance[c]) > limit);
-        let best = most_doors(&grid, &part, doorways);
+        let best = most_places(&grid, &part, places);
         Self { grid, part, best }
     }
 
-    /// Whether most doors are reached from `point`.
+    /// Whether `point` is on that ground.
     pub fn serves(&self, point: MapPoint) -> bool {
         let cell = self.grid.cell_at(point);
-        // Part 0 has no room, so without any door that is reached nothing serves.
+        // Part 0 has no room, so without any place that is reached nothing serves.
         cell.is_some_and(|c| self.part[c] == self.best && self.best > 0)
     }
 }
@@ -102,12 +102,11 @@ fn parts(grid: &GridGeometry, free: impl Fn(usize) -> bool) -> Vec<u32> {
     part
 }
 
-/// The part that reaches the most doors, of several the first; 0 if none reaches any.
-fn most_doors(grid: &GridGeometry, part: &[u32], doorways: &[Doorway]) -> u32 {
+/// The part that holds the most places, of several the first; 0 if none holds any.
+fn most_places(grid: &GridGeometry, part: &[u32], places: impl Iterator<Item = MapPoint>) -> u32 {
     let mut counts = BTreeMap::<u32, usize>::new();
-    for door in doorways {
-        let front = door.position.offset(door.facing, BEFORE_DOOR_M);
-        if let Some(c) = grid.cell_at(front).filter(|c| part[*c] > 0) {
+    for place in places {
+        if let Some(c) = grid.cell_at(place).filter(|c| part[*c] > 0) {
             *counts.entry(part[c]).or_default() += 1;
         }
     }

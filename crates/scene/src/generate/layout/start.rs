@@ -22,6 +22,8 @@ const STEP_M: f64 = 2.0;
 const MAX_STEPS: f64 = 10_000.0;
 /// Distance from a carriageway's edge where there is no pavement, metres.
 const FROM_EDGE_M: f64 = 0.4;
+/// Distance in front of a door at which a robot must be able to stand, metres.
+const STAND_M: f64 = 1.2;
 /// Distance in front of a door at which a robot starts where there is no street, metres.
 const BEFORE_DOOR_M: f64 = 2.5;
 
@@ -36,7 +38,10 @@ pub(crate) fn choose(
     doorways: &[Doorway],
     walls: impl Iterator<Item = Segment>,
 ) -> Result<Pose2, GenerateError> {
-    let reach = Reach::new(extent, walls, doorways);
+    let fronts = doorways
+        .iter()
+        .map(|door| door.position.offset(door.facing, STAND_M));
+    let reach = Reach::new(extent, walls, fronts);
     // A median, since one remote building must not draw the start away from the others.
     let middle = middle_of(doorways).unwrap_or_else(|| extent.middle());
     // Doors come after all streets: a start on a pavement is preferred even if it is farther off.
@@ -54,6 +59,16 @@ pub(crate) fn choose(
             && (doorways.is_empty() || reach.serves(p))
     };
     candidates.find(is_good).ok_or(GenerateError::NoStart)
+}
+
+/// The ground between `walls` to which most places in streets lead.
+pub(crate) fn reach_of_streets(
+    map: &OsmMap,
+    extent: Bounds,
+    walls: impl Iterator<Item = Segment>,
+) -> Reach {
+    let in_streets = map.roads.iter().flat_map(places);
+    Reach::new(extent, walls, in_streets.map(|pose| pose.point()))
 }
 
 fn nearest_first(mut poses: Vec<Pose2>, middle: MapPoint) -> Vec<Pose2> {
