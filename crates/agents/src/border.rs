@@ -149,6 +149,7 @@ impl Border {
             | Event::Task(_)
             | Event::Models(_)
             | Event::Work(_)
+            | Event::WallTime(_)
             | Event::Note(_) => event,
         }
     }

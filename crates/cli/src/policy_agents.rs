@@ -18,6 +18,11 @@ pub const INTERPRETER: &str = "OPENBENCH_PYTHON";
 const TIMEOUT: &str = "timeout";
 /// The setting for how long a program may take to begin.
 const BEGIN_TIMEOUT: &str = "begin-timeout";
+/// The setting for whether answers take simulated time.
+const THINKING: &str = "thinking";
+/// Its values.
+const FREE: &str = "free";
+const CHARGED: &str = "charged";
 /// The longest time that can be set, seconds.
 const LONGEST_S: f64 = 86_400.0;
 
@@ -88,12 +93,23 @@ fn is_name(word: &str) -> bool {
 
 impl AgentFactory for ProgramFactory {
     fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
-        let patience = patience(request.settings)?;
-        Ok(Box::new(Policy::new(&self.pool, request.seed, patience)?))
+        let Settings { patience, by_clock } = parse(request.settings)?;
+        let policy = Policy::new(&self.pool, request.seed, patience)?;
+        Ok(Box::new(if by_clock { policy.timed() } else { policy }))
     }
 
     fn check(&self, settings: &AgentSettings) -> Result<(), AgentError> {
-        patience(settings).map(|_| ())
+        parse(settings).map(|_| ())
+    }
+
+    fn is_charged_by_clock(&self, settings: &AgentSettings) -> bool {
+        parse(settings).is_ok_and(|settings| settings.by_clock)
+    }
+
+    fn cannot_repeat(&self, settings: &AgentSettings) -> Option<String> {
+        self.is_charged_by_clock(settings).then(|| {
+            "its computing was charged by the clock (--realtime), which no run repeats".to_owned()
+        })
     }
 
     fn prepare(
@@ -102,7 +118,7 @@ impl AgentFactory for ProgramFactory {
         _: &mut dyn FnMut(PullEvent),
     ) -> Result<(), AgentError> {
         // A program that cannot begin is an error of the user, not a result.
-        let link = self.pool.take(patience(settings)?.begin)?;
+        let link = self.pool.take(parse(settings)?.patience.begin)?;
         self.pool.give_back(link);
         Ok(())
     }
@@ -115,7 +131,10 @@ impl AgentFactory for ProgramFactory {
             let value = settings.get(key).unwrap_or(&default);
             (key.to_owned(), Setting::new(value.clone(), &default))
         };
-        times.into_iter().map(setting).collect()
+        let thinking = settings
+            .get(THINKING)
+            .map(|value| (THINKING.to_owned(), Setting::new(value.clone(), FREE)));
+        times.into_iter().map(setting).chain(thinking).collect()
     }
 
     fn models(&self, _: &AgentSettings) -> Result<Vec<ModelDigest>, AgentError> {
@@ -137,25 +156,45 @@ impl AgentFactory for ProgramFactory {
     }
 }
 
-/// How long answers may take, by the settings.
-fn patience(settings: &AgentSettings) -> Result<Patience, AgentError> {
-    let mut patience = Patience::default();
-    for (key, value) in settings {
-        let time = match key.as_str() {
-            TIMEOUT => &mut patience.act,
-            BEGIN_TIMEOUT => &mut patience.begin,
+/// The settings of these agents.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Settings {
+    /// How long answers may take.
+    patience: Patience,
+    /// Whether answers take as much simulated time as they took wall time.
+    by_clock: bool,
+}
+
+/// Settings as they are written.
+fn parse(words: &AgentSettings) -> Result<Settings, AgentError> {
+    let mut settings = Settings::default();
+    for (key, value) in words {
+        match key.as_str() {
+            TIMEOUT => settings.patience.act = seconds(key, value)?,
+            BEGIN_TIMEOUT => settings.patience.begin = seconds(key, value)?,
+            THINKING => settings.by_clock = by_clock(value)?,
             _ => {
                 return Err(format!(
-                    "{key}: there is no such setting; known: {TIMEOUT}, {BEGIN_TIMEOUT}"
+                    "{key}: there is no such setting; known: {TIMEOUT}, {BEGIN_TIMEOUT}, {THINKING}"
                 )
                 .into());
             }
-        };
-        let seconds: Option<f64> = value.parse().ok();
-        let seconds = seconds.filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST_S);
-        *time = seconds
-            .map(Duration::from_secs_f64)
-            .ok_or_else(|| format!("{key}={value}: write seconds, up to a day"))?;
+        }
     }
-    Ok(patience)
+    Ok(settings)
+}
+
+fn seconds(key: &str, value: &str) -> Result<Duration, AgentError> {
+    let seconds: Option<f64> = value.parse().ok();
+    let seconds = seconds.filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST_S);
+    let time = seconds.map(Duration::from_secs_f64);
+    time.ok_or_else(|| format!("{key}={value}: write seconds, up to a day").into())
+}
+
+fn by_clock(value: &str) -> Result<bool, AgentError> {
+    match value {
+        FREE => Ok(false),
+        CHARGED => Ok(true),
+        _ => Err(format!("{THINKING}={value}: write {FREE} or {CHARGED}").into()),
+    }
 }

@@ -1,6 +1,7 @@
 //! Events that an agent reports for the log. Agents print nothing and write no files.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use crate::address::Address;
 use crate::frames::{MapPoint, Pose2};
@@ -74,6 +75,9 @@ pub enum Event {
     Models(ModelUse),
     /// Work that was done for the decision on this observation.
     Work(Work),
+    /// Wall time that the decision on this observation took, of an agent whose computing is charged
+    /// by the clock.
+    WallTime(Duration),
     /// Anything else, as text.
     Note(String),
 }

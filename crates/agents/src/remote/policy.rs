@@ -40,6 +40,8 @@ pub struct Policy {
     pool: Pool,
     seed: u64,
     patience: Patience,
+    /// Whether it reports how long its policy takes.
+    is_timed: bool,
     /// The last image that the policy got, in which it may have read plates.
     image: Option<Arc<Image>>,
     /// Why the policy is of no use any more.
@@ -57,9 +59,20 @@ impl Policy {
             pool: pool.clone(),
             seed,
             patience,
+            is_timed: false,
             image: None,
             failure: None,
         })
+    }
+
+    /// The same agent, which reports the wall time of each decision ([`Event::WallTime`]), so that
+    /// it can be charged.
+    #[must_use]
+    pub fn timed(self) -> Self {
+        Self {
+            is_timed: true,
+            ..self
+        }
     }
 
     /// Sends a message, and answers what the policy asks before it answers.
@@ -68,13 +81,14 @@ impl Policy {
         request: &Request,
         observation: Option<&Observation<'_>>,
         within: Duration,
-    ) -> Result<Reply, LinkError> {
+    ) -> Result<Answered, LinkError> {
         let link = self.link.as_mut().ok_or(LinkError::ended("before"))?;
-        let until = Instant::now() + within;
+        let began = Instant::now();
+        let mut rendering = Duration::ZERO;
         link.send(request)?;
         let (mut sent_scan, mut sent_image) = (false, false);
         loop {
-            let left = until.saturating_duration_since(Instant::now());
+            let left = within.saturating_sub(began.elapsed());
             let reply = link.receive(left).map_err(|error| match error {
                 LinkError::Silent { .. } => LinkError::Silent { within },
                 error => error,
@@ -86,10 +100,16 @@ impl Policy {
                 }
                 (Reply::WantImage, Some(observation)) if !sent_image => {
                     sent_image = true;
+                    let before = Instant::now();
                     self.image = observation.camera.image();
+                    rendering += before.elapsed();
                     link.send(&Request::Image(self.image.clone().map(Picture::from)))?;
                 }
-                _ => return Ok(reply),
+                _ => {
+                    // The simulator's time is none of the policy's.
+                    let took = began.elapsed().saturating_sub(rendering);
+                    return Ok(Answered { reply, took });
+                }
             }
         }
     }
@@ -137,10 +157,17 @@ impl Policy {
     }
 }
 
+/// What a policy answered, and the wall time that it took.
+struct Answered {
+    reply: Reply,
+    took: Duration,
+}
+
 impl Agent for Policy {
     fn begin(&mut self, briefing: &Briefing, events: &mut dyn Events) -> Result<(), GiveUp> {
         let begin = Request::Begin(Box::new(Begin::new(briefing, self.seed)));
-        match self.ask(&begin, None, self.patience.begin) {
+        let answered = self.ask(&begin, None, self.patience.begin);
+        match answered.map(|answered| answered.reply) {
             Ok(Reply::Ready { reports }) => {
                 self.record(reports, events);
                 Ok(())
@@ -155,7 +182,11 @@ impl Agent for Policy {
 
     fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         let act = Request::Act(Act::from(observation));
-        match self.ask(&act, Some(observation), self.patience.act) {
+        let answered = self.ask(&act, Some(observation), self.patience.act);
+        if let (true, Ok(Answered { took, .. })) = (self.is_timed, &answered) {
+            events.record(Event::WallTime(*took));
+        }
+        match answered.map(|answered| answered.reply) {
             Ok(Reply::Action { action, reports }) if is_finite(&action) => {
                 self.record(reports, events);
                 action
@@ -173,7 +204,7 @@ impl Agent for Policy {
         // Without a link it has failed already.
         self.link.as_ref()?;
         let outcome = self.ask(&Request::Finish, None, self.patience.act);
-        let failure = match outcome {
+        let failure = match outcome.map(|answered| answered.reply) {
             Ok(Reply::Finished { map }) => {
                 if let Some(link) = self.link.take() {
                     self.pool.give_back(link);
@@ -248,8 +279,12 @@ mod tests {
 
     struct Black;
 
+    /// How long the camera of the tests takes.
+    const SHUTTER: Duration = Duration::from_millis(200);
+
     impl Camera for Black {
         fn image(&self) -> Option<Arc<Image>> {
+            std::thread::sleep(SHUTTER);
             Some(Arc::new(Image {
                 stamp: SimTime::ZERO,
                 width: 1,
@@ -308,6 +343,22 @@ mod tests {
 
     fn is_idle(pool: &Pool) -> bool {
         pool.take(Duration::ZERO).is_ok()
+    }
+
+    #[test]
+    fn a_policy_that_is_timed_reports_how_long_it_took_without_the_camera() {
+        let waits = |timed: bool| {
+            let (policy, _, _) = policy([Ok(Reply::WantImage), answer(drive(0.2))]);
+            let mut policy = if timed { policy.timed() } else { policy };
+            act(&mut policy).1
+        };
+        assert!(waits(false).is_empty());
+        let events = waits(true);
+        let [Event::WallTime(took)] = events[..] else {
+            panic!("{events:?}");
+        };
+        // The script answers at once; the camera takes its time.
+        assert!(took < SHUTTER, "{took:?}");
     }
 
     #[test]

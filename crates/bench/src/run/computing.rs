@@ -6,7 +6,9 @@
 //! the 50 ms between two observations is late by that work alone; one whose work takes longer falls
 //! behind, and loses observations in the end.
 //!
-//! What work costs is a table, not a clock: runs repeat on every machine.
+//! What work costs is a table, not a clock: runs repeat on every machine. Agents in other programs
+//! do not say what work they did; on request they are charged the wall time that they took, and
+//! such runs do not repeat.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -126,10 +128,20 @@ impl Computer {
     fn record(&mut self, rollout: &mut Rollout<'_>, events: Vec<Event>) -> Duration {
         let mut cost = Duration::ZERO;
         for event in events {
-            cost += self.cost(&event);
+            // By the clock of this machine, however slow the one of the table is.
+            cost += self.wall_time(&event);
+            cost += self.cost(&event).mul_f64(self.compute.slowness);
             rollout.record(event);
         }
-        cost.mul_f64(self.compute.slowness)
+        cost
+    }
+
+    fn wall_time(&mut self, event: &Event) -> Duration {
+        let Event::WallTime(took) = event else {
+            return Duration::ZERO;
+        };
+        self.computing.by_clock_ns += nanoseconds(*took);
+        *took
     }
 
     fn cost(&mut self, event: &Event) -> Duration {
@@ -258,6 +270,18 @@ mod tests {
             computer.sense(sensed(1_000 + 50 * ms));
         }
         assert_eq!(computer.computing.lost_observations, 63);
+    }
+
+    #[test]
+    fn wall_time_is_charged_as_it_is() {
+        let mut computer = Computer::new(Compute {
+            slowness: 3.0,
+            ..Compute::default()
+        });
+        let took = Duration::from_millis(70);
+        assert_eq!(computer.wall_time(&Event::WallTime(took)), took);
+        assert_eq!(computer.cost(&Event::WallTime(took)), Duration::ZERO);
+        assert_eq!(computer.computing.by_clock_ns, 70_000_000);
     }
 
     #[test]

@@ -5,7 +5,6 @@ use openbench_core::{Agent, Event};
 use super::computing;
 use crate::BenchError;
 use crate::run::rollout::{Rollout, Status};
-use crate::suite::Condition;
 use crate::trace::EpisodeTrace;
 
 /// Lets an agent drive an episode to its end.
@@ -23,11 +22,11 @@ pub fn run_episode(
         // A refusal is a result, not an error: all deliveries fail with its cause, and the run
         // continues.
         rollout.refuse(&give_up);
-    } else if rollout.compute().is_off() {
+    } else if rollout.is_computing_charged() {
+        computing::drive(&mut rollout, agent, std::mem::take(&mut events));
+    } else {
         record(&mut rollout, &mut events);
         drive(&mut rollout, agent);
-    } else {
-        computing::drive(&mut rollout, agent, std::mem::take(&mut events));
     }
     let map = agent.finish(&mut events);
     record(&mut rollout, &mut events);

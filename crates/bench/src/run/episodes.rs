@@ -373,7 +373,9 @@ fn drive(
     recorder: &mut Recorder,
 ) -> Result<EpisodeTrace, BenchError> {
     let Made { mut agent, truth } = made;
+    let is_charged_by_clock = request.factory.is_charged_by_clock(request.settings);
     let mut rollout = Rollout::new(request.prepared, number, episode_seed(request.seed, number))?
+        .charged_by_clock(is_charged_by_clock)
         .with_observer(StopSign(request.stop))
         .with_observer(recorder);
     if let Some(truth) = truth {

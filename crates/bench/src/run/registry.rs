@@ -116,6 +116,14 @@ pub trait AgentFactory: Send + Sync {
         Ok(Vec::new())
     }
 
+    /// Whether the wall time of its decisions is charged as simulated time, see
+    /// [`Event::WallTime`](openbench_core::Event::WallTime); by default it is not. Such an agent
+    /// cannot repeat what it did.
+    fn is_charged_by_clock(&self, settings: &AgentSettings) -> bool {
+        let _ = settings;
+        false
+    }
+
     /// Why an agent with these settings cannot repeat what it did, so that nobody can check who
     /// made its results; `None` if it can.
     fn cannot_repeat(&self, settings: &AgentSettings) -> Option<String> {

@@ -20,7 +20,7 @@ use openbench_sim::{OBSERVATION_NS, Simulator};
 use super::observer::Observer;
 use crate::BenchError;
 use crate::image_file;
-use crate::suite::{Compute, GoalKind};
+use crate::suite::{Compute, Condition, GoalKind};
 use crate::trace::{
     Computing, Deed, EpisodeTrace, Failure, Frame, PlacedDoor, PlateRead, PoseError, Reading,
     Smoothness, TaskOutcome, TimedDeed,
@@ -72,6 +72,8 @@ pub struct Rollout<'o> {
     /// The world in the frame of the public map; `None` if both are the same.
     frame: Option<Pose2>,
     compute: Compute,
+    /// Whether wall time is charged, whatever the condition says.
+    is_charged_by_clock: bool,
     /// The instant that the agent observes: now, unless it is behind with its work.
     observed: SimTime,
     /// The last true poses in the frame of the public map, oldest first.
@@ -116,6 +118,7 @@ impl<'o> Rollout<'o> {
             briefing: briefing(prepared, &episode, start),
             frame: prepared.on_map().frame(),
             compute: prepared.suite.conditions.compute,
+            is_charged_by_clock: false,
             observed: SimTime::ZERO,
             poses: VecDeque::new(),
             simulator: prepared.simulator_at(episode.start, seed)?,
@@ -147,7 +150,21 @@ impl<'o> Rollout<'o> {
         &self.briefing
     }
 
+    /// The same rollout, of an agent whose wall time is charged.
+    #[must_use]
+    pub fn charged_by_clock(self, is_charged: bool) -> Self {
+        Self {
+            is_charged_by_clock: is_charged,
+            ..self
+        }
+    }
+
     /// Whether computing takes simulated time in this episode.
+    pub(super) fn is_computing_charged(&self) -> bool {
+        self.is_charged_by_clock || !self.compute.is_off()
+    }
+
+    /// What work costs.
     pub(super) fn compute(&self) -> Compute {
         self.compute
     }

@@ -4,6 +4,10 @@ use crate::plural::count;
 use crate::score::results::{ComputingSum, Results};
 use crate::suite::{GoalKind, TargetSource};
 
+/// Of an agent that is charged for its work, and reports none.
+const UNCHARGED: &str = "the agent's computing was not charged: it reports no work (--realtime \
+    charges agents in Python and in other programs by the clock)";
+
 /// The departures of a run, a line each; empty for a run with all defaults.
 pub fn departures(results: &Results) -> Vec<String> {
     let mut lines = Vec::new();
@@ -76,9 +80,17 @@ fn computing(results: &Results) -> Option<String> {
     let driven: f64 = results.episodes.iter().map(|e| e.sim_seconds).sum();
     let latest = sums().map(|sum| sum.latest_s).fold(0.0, f64::max);
     let lost: u32 = sums().map(|sum| sum.lost_observations).sum();
+    if total(|sum| sum.busy_s) == 0.0 {
+        return Some(UNCHARGED.to_owned());
+    }
+    let by_clock = if total(|sum| sum.by_clock_s) > 0.0 {
+        ", by the clock of the machine"
+    } else {
+        ""
+    };
     Some(format!(
-        "computing took {:.0} % of the time; decisions came up to {latest:.2} s late; the robot \
-         stood {:.0} s for want of one; {} lost",
+        "computing took {:.0} % of the time{by_clock}; decisions came up to {latest:.2} s late; \
+         the robot stood {:.0} s for want of one; {} lost",
         100.0 * total(|sum| sum.busy_s) / driven.max(f64::MIN_POSITIVE),
         total(|sum| sum.held_up_s),
         count(lost as usize, "observation was", "observations were"),

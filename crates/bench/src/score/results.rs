@@ -177,6 +177,9 @@ pub struct EpisodeResult {
 pub struct ComputingSum {
     /// Time for all of it, seconds.
     pub busy_s: f64,
+    /// The part of it that was measured by the clock of the machine, seconds; absent if it is zero.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub by_clock_s: f64,
     /// The longest time between an observation and the decision on it, seconds.
     pub latest_s: f64,
     /// Time in which the robot stood because no decision came, seconds.
@@ -189,11 +192,16 @@ pub struct ComputingSum {
     pub work: BTreeMap<Work, u32>,
 }
 
+fn is_zero(seconds: &f64) -> bool {
+    *seconds == 0.0
+}
+
 impl From<&Computing> for ComputingSum {
     fn from(sum: &Computing) -> Self {
         let seconds = |nanoseconds: u64| nanoseconds as f64 * 1e-9;
         Self {
             busy_s: seconds(sum.busy_ns),
+            by_clock_s: seconds(sum.by_clock_ns),
             latest_s: seconds(sum.latest_ns),
             held_up_s: seconds(sum.held_up_ns),
             lost_observations: sum.lost_observations,

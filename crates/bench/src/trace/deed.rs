@@ -142,6 +142,7 @@ impl Deed {
             | Event::Costmap(_)
             | Event::Waypoints(_)
             | Event::Work(_)
+            | Event::WallTime(_)
             | Event::Note(_) => return None,
         })
     }

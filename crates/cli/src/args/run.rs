@@ -84,8 +84,9 @@ pub struct RunArgs {
     /// earlier ones. The suite's own stays where nothing is said
     #[arg(long = "condition", value_name = "KEY=VALUE", value_parser = key_value)]
     pub conditions: Vec<(String, String)>,
-    /// Computing takes simulated time: an answer of a model or a policy server takes effect only as
-    /// late as it came; short for --set thinking=charged
+    /// Computing takes simulated time, by the clock: an answer of a model, of a policy server or of
+    /// an agent in Python or in another program takes effect only as late as it came; short for
+    /// --set thinking=charged
     #[arg(long)]
     pub realtime: bool,
     /// What the logs hold: none, thin or full

@@ -51,7 +51,7 @@ fn begin(args: &RunArgs, agents: &Agents, stop: &StopSignal) -> anyhow::Result<O
     };
     let prepared = prepare(args, first_seeds(args))?;
     warn(&prepared);
-    charge_once(&prepared.suite, &settings)?;
+    charge_once(&prepared.suite, factory, &settings)?;
     let fits = factory.check_robot(&settings, &prepared.robot);
     fits.map_err(anyhow::Error::from_boxed)?;
     prepare_agent(factory, &settings)?;
@@ -363,11 +363,17 @@ fn warn(prepared: &Prepared) {
     prepared.warnings().iter().for_each(|w| tell(w));
 }
 
-/// Refuses to charge for models by the clock and by the table.
-fn charge_once(suite: &Suite, settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
+/// Refuses to charge for models by the clock and by the table. Agents that are charged by the clock
+/// alone report no work of the table.
+fn charge_once(
+    suite: &Suite,
+    factory: &dyn AgentFactory,
+    settings: &BTreeMap<String, String>,
+) -> anyhow::Result<()> {
     let by_clock = settings.get("thinking").is_some_and(|how| how == "charged");
+    let by_both = by_clock && !factory.is_charged_by_clock(settings);
     anyhow::ensure!(
-        suite.conditions.compute.is_off() || !by_clock,
+        suite.conditions.compute.is_off() || !by_both,
         "models would be charged twice: by the clock (--realtime, thinking=charged) and by the \
          table of `compute`; leave one out"
     );

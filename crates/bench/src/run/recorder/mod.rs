@@ -326,7 +326,7 @@ impl Recorder {
             }
             Event::Note(text) => log.write("/note", time, &StringMessage(text.clone())),
             // Several for each observation: the sums are in the results.
-            Event::Work(_) => Ok(()),
+            Event::Work(_) | Event::WallTime(_) => Ok(()),
         }
     }
 
