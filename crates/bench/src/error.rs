@@ -15,13 +15,13 @@ use openbench_core::{MapPoint, UnknownName};
 pub enum BenchError {
     /// Unknown suite name.
     #[error(
-"there is no suite `{name}`; built-in suites: {}; or give a suite file (.toml) or a world folder",
+"there is no suite `{name}`; there are {}; or give a suite file (.toml) or a world folder",
 known.join(", ")
 )]
     UnknownSuite {
         /// The requested name.
         name: String,
-        /// The names of the built-in suites.
+        /// The names of the built-in suites and tracks.
         known: Vec<String>,
     },
     /// Unknown agent name.

@@ -1,5 +1,7 @@
 //! The contents of the built-in suites.
 
+use super::tracks::TRACKS;
+
 /// The contents of a built-in suite.
 pub struct BuiltIn {
     /// Name of the suite and of its world.
@@ -47,6 +49,12 @@ const fn place(name: &'static str) -> BuiltIn {
         sequences: 2,
         length: 5,
     }
+}
+
+/// The names that need no file: of the built-in suites, and of the tracks.
+pub fn known_suites() -> Vec<String> {
+    let tracks = TRACKS.iter().map(|track| track.name.to_owned());
+    builtin_suites().into_iter().chain(tracks).collect()
 }
 
 /// The names of the built-in suites.

@@ -5,7 +5,7 @@ use openbench_sim::traffic::TrafficPlan;
 
 use super::load;
 use crate::BenchError;
-use crate::suite::builtin::{BUILT_IN, builtin_suites};
+use crate::suite::builtin::{BUILT_IN, known_suites};
 use crate::suite::draw::Draw;
 use crate::suite::{Conditions, GoalKind, Sensors, Suite, TargetSource, WorldSource};
 
@@ -24,7 +24,7 @@ use crate::suite::{Conditions, GoalKind, Sensors, Suite, TargetSource, WorldSour
 pub fn builtin_suite(name: &str) -> Result<Suite, BenchError> {
     let unknown = || BenchError::UnknownSuite {
         name: name.to_owned(),
-        known: builtin_suites(),
+        known: known_suites(),
     };
     let built_in = BUILT_IN
         .iter()
