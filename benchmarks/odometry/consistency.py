@@ -20,7 +20,7 @@ def drive(openbench, world, seed, minutes):
     """The NEES of a drive."""
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "drive.mcap"
-        record = [openbench, "record", world, "--minutes", str(minutes), "--seed", str(seed), "--out", log]
+        record = [openbench, "record", world, "--minutes", str(minutes), "--noise-seed", str(seed), "--out", log]
         subprocess.run(record, check=True, capture_output=True)
         odometry = [openbench, "odometry", log, "--out", Path(folder) / "way.tum", "--json"]
         return json.loads(subprocess.run(odometry, check=True, capture_output=True).stdout)["nees"]

@@ -34,17 +34,17 @@ record() {
 }
 w=$out/worlds
 record close small --minutes 3
-record loops medium --minutes 5 --seed 1
+record loops medium --minutes 5 --noise-seed 1
 record street "$w/street" --minutes 4 --via 200,-1 --via 0,1
 record yards "$w/yards" --minutes 4 --via 4,4 --via 12,4 --via 28,12 --via 4,18 --via 20,25
 record kerbs "$w/kerbs" --minutes 3 --via 80,0 --via 0,0
-record traffic medium --minutes 4 --pedestrians 50 --cars 20 --seed 2
+record traffic medium --minutes 4 --pedestrians 50 --cars 20 --noise-seed 2
 record turning small --minutes 3 --wild
 record square "$w/square" --minutes 5 --via 40,0 --via 30,40 --via -40,40 --via -50,-50 --via 40,-40
 record corridor "$w/corridor" --minutes 4 --via 95,0 --via 0,0
 record gap small --minutes 2 --gap 60,0.5
 record saturation small --minutes 2 --wild --imu-range 0.6,11
-record hour medium --minutes 60 --seed 3
+record hour medium --minutes 60 --noise-seed 3
 record avenue "$w/avenue" --minutes 38 --via 210,0 --via 300,120 --via 300,330 --via 140,440 --via=-60,420 --via=-160,260 --via=-300,239
 record boulevard "$w/boulevard" --minutes 38 --seed 7 --via 180,0 --via 300,-90 --via 320,-300 --via 160,-420 --via=-40,-430 --via=-180,-290 --via=-310,-276
 

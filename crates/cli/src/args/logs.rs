@@ -43,9 +43,13 @@ pub struct RecordArgs {
     /// Number of moving cars [default: as in the suite]
     #[arg(long)]
     pub cars: Option<u16>,
-    /// Seed of noise, traffic and the order of doors
+    /// Seed of noise, traffic and the order of doors; with small, medium, large and tracks also of
+    /// the neighbourhood, where 0 is the built-in world
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+    /// Seed of noise, traffic and the order of doors alone [default: that of --seed]
+    #[arg(long)]
+    pub noise_seed: Option<u64>,
 }
 
 /// Arguments of `odometry`.

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use openbench_bench::run::recorder::Recorder;
-use openbench_bench::worlds::suite_named;
+use openbench_bench::worlds::suite_of_seed;
 use openbench_bench::{Faults, ImuRange, Level, Prepared};
 use openbench_core::SimTime;
 use openbench_trials::tour::{STANDSTILL, Style, Tour, drive};
@@ -14,14 +14,15 @@ use crate::progress::progress_bar;
 
 /// Drives and records.
 pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
-    let mut suite = suite_named(&args.world)?;
+    let mut suite = suite_of_seed(&args.world, args.seed)?;
+    let seed = args.noise_seed.unwrap_or(args.seed);
     for (asked, planned) in [
         (args.pedestrians, &mut suite.traffic.pedestrians),
         (args.cars, &mut suite.traffic.cars),
     ] {
         *planned = asked.map_or(*planned, usize::from);
     }
-    let prepared = Prepared::world_of(suite.with_seed(args.seed))?;
+    let prepared = Prepared::world_of(suite.with_seed(seed))?;
     prepared.warnings().iter().for_each(|w| tell(w));
     // A billion seconds: an instant, nanoseconds in 64 bits, holds the sum of two of them.
     let at = |seconds: f64| SimTime::ZERO + Duration::from_secs_f64(seconds.min(1e9));
@@ -39,7 +40,7 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
         } else {
             Style::Smooth
         },
-        seed: args.seed,
+        seed,
         standstill: STANDSTILL,
     };
     let recorder = Recorder::create(&args.out, Level::Full, &prepared)?;
