@@ -68,8 +68,9 @@ pub(super) fn sunlit_by_samples(
     }
     let mut starts = [[0.0; BLOCK]; 3];
     for (axis, starts) in starts.iter_mut().enumerate() {
-        for i in 0..BLOCK {
-            starts[i] = faces.at[axis][i] + OFF_SURFACE_M * faces.normal[axis][i];
+        let (at, normal) = (&faces.at[axis], &faces.normal[axis]);
+        for (start, (at, normal)) in starts.iter_mut().zip(at.iter().zip(normal)) {
+            *start = at + OFF_SURFACE_M * normal;
         }
     }
     let sun = Sunbeams {
