@@ -29,6 +29,7 @@ LEVELS = [
     ["robot=calibrated"],
     ["robot=worn"],
     ["plates=real"],
+    ["scenery=varied"],
     ["camera=good"],
     ["camera=cheap"],
     ["light=day"],

@@ -63,6 +63,7 @@ fn sampled(seed: u64, number: u64) -> SampledPlate {
             Language::French,
             Language::Italian,
             Language::Spanish,
+            Language::Portuguese,
             Language::Chinese,
         ],
     );
@@ -86,12 +87,13 @@ fn sampled(seed: u64, number: u64) -> SampledPlate {
 
 /// The facts of a door that there might be.
 fn sampled_facts(draws: &mut Pcg64Mcg, language: Language) -> Facts {
-    const STREETS: [(Language, &str); 6] = [
+    const STREETS: [(Language, &str); 7] = [
         (Language::English, "Mill Lane"),
         (Language::German, "Ringstraße"),
         (Language::French, "Rue Basse"),
         (Language::Italian, "Via Roma"),
         (Language::Spanish, "Calle Mayor"),
+        (Language::Portuguese, "Rua do Sol"),
         (Language::Chinese, "building"),
     ];
     let street = STREETS.iter().find(|(of, _)| *of == language);

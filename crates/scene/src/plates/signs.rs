@@ -211,6 +211,7 @@ fn shops(language: Language) -> &'static [&'static str] {
             "Gelateria",
         ],
         Language::Spanish => &["Farmacia", "Panadería", "Bar", "Peluquería", "Frutas"],
+        Language::Portuguese => &["Farmácia", "Padaria", "Café", "Talho", "Mercearia"],
         Language::Chinese => &["便利店", "药房", "包子", "水果店", "理发", "书店"],
     }
 }
@@ -222,6 +223,7 @@ fn notice(language: Language) -> &'static [&'static str] {
         Language::French => &["PAS DE PUB", "S.V.P."],
         Language::Italian => &["NIENTE", "PUBBLICITÀ"],
         Language::Spanish => &["NO ADMITE", "PUBLICIDAD"],
+        Language::Portuguese => &["PUBLICIDADE", "NÃO, OBRIGADO"],
         Language::Chinese => &["请勿张贴广告"],
     }
 }

@@ -25,6 +25,8 @@ pub enum Language {
     Italian,
     /// Spanish.
     Spanish,
+    /// Portuguese.
+    Portuguese,
     /// Chinese.
     Chinese,
 }
@@ -40,7 +42,7 @@ impl Language {
     /// assert_eq!(Language::of_streets(["building3"]), None);
     /// ```
     pub fn of_streets<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<Self> {
-        const WORDS: [(Language, &[&str]); 6] = [
+        const WORDS: [(Language, &[&str]); 7] = [
             (
                 Language::English,
                 &["street", "road", "lane", "close", "avenue", "drive"],
@@ -68,18 +70,22 @@ impl Language {
                 Language::Spanish,
                 &["calle ", "avenida ", "paseo ", "plaza "],
             ),
+            (
+                Language::Portuguese,
+                &["rua ", "avenida ", "travessa ", "praça ", "largo ", "beco "],
+            ),
             (Language::Chinese, &["路", "街", "巷", "道"]),
         ];
         let mut counts = [0_usize; WORDS.len()];
         for name in names {
             let name = name.to_lowercase();
             for (count, (language, words)) in counts.iter_mut().zip(WORDS) {
-                let is_first = matches!(language, Self::French | Self::Italian | Self::Spanish);
+                let is_last = matches!(language, Self::English | Self::German | Self::Chinese);
                 let says = |word: &&str| {
-                    if is_first {
-                        name.starts_with(*word)
-                    } else {
+                    if is_last {
                         name.ends_with(*word)
+                    } else {
+                        name.starts_with(*word)
                     }
                 };
                 *count += usize::from(words.iter().any(says));
@@ -102,6 +108,7 @@ impl Language {
             Self::French => &["Moreau", "Girard", "Lefort", "Benali", "Roux", "Fontaine"],
             Self::Italian => &["Rossi", "Conti", "Ferrari", "Bianchi", "Greco", "Marino"],
             Self::Spanish => &["Garcia", "Ortega", "Molina", "Vega", "Serrano", "Prieto"],
+            Self::Portuguese => &["Silva", "Ferreira", "Almeida", "Rocha", "Pinto", "Costa"],
             Self::Chinese => &["Wang", "Li", "Zhang", "Liu", "Chen", "Yang"],
         }
     }
@@ -327,7 +334,7 @@ impl Wording {
             (Language::English, 0) => format!("No. {number}"),
             (Language::German, 0) => format!("Nr. {number}"),
             (Language::French | Language::Italian, 0) => format!("N° {number}"),
-            (Language::Spanish, 0) => format!("N.º {number}"),
+            (Language::Spanish | Language::Portuguese, 0) => format!("N.º {number}"),
             _ => number.to_owned(),
         };
         vec![line(text)]
@@ -341,6 +348,7 @@ impl Wording {
             Language::French => &["Appt", "Porte", "Apt.", "Entrée"],
             Language::Italian => &["Int.", "Interno", "Scala"],
             Language::Spanish => &["Puerta", "Pta.", "Portal"],
+            Language::Portuguese => &["Porta", "Apt.", "Entrada"],
             Language::Chinese => {
                 return match self.form % 4 {
                     0 if may_be_bare => unit.to_owned(),

@@ -53,6 +53,7 @@ impl Neighbourhood {
             Language::French => &[Language::French],
             Language::Italian => &[Language::Italian],
             Language::Spanish => &[Language::Spanish],
+            Language::Portuguese => &[Language::Portuguese],
             Language::Chinese => &[Language::Chinese],
         }
     }
