@@ -3,11 +3,10 @@
 use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::{Segment, segments};
 use openbench_osm::draws::{between, chance};
-use openbench_osm::houses::DrawnDoor;
 
 use crate::ground::Ground;
 use crate::outline::{Footprint, Shape};
-use crate::plan::{Class, Fence, Patch, Plan, Street, Thing};
+use crate::plan::{Class, Fence, Patch, Plan, Thing};
 use crate::purpose::{Purpose, Seed};
 use crate::style::Style;
 
@@ -20,14 +19,6 @@ const APART_M: f64 = 4.0;
 /// Distance of trunks from paths and doors, metres.
 const FROM_PATHS_M: f64 = 1.6;
 const FROM_DOORS_M: f64 = 2.6;
-/// Distance of lamps from the lines before a door and its plate, metres: as worlds keep free.
-const LAMP_FROM_DOORS_M: f64 = 1.6;
-/// Where plates may hang, metres along the wall from the middle of the door.
-const PLATES_M: [f64; 3] = [-1.25, 0.0, 1.25];
-/// Length of those lines, metres.
-const BEFORE_DOOR_M: f64 = 1.5;
-/// How far a lamp is moved along its street to be off a door, metres; in this order.
-const LAMP_MOVES_M: [f64; 7] = [0.0, 2.0, -2.0, 4.0, -4.0, 6.0, -6.0];
 /// Distance between street lamps, metres.
 const BETWEEN_LAMPS_M: f64 = 27.0;
 
@@ -69,25 +60,29 @@ pub(crate) fn things(seed: Seed, plan: &Plan, ground: &Ground) -> Vec<Thing> {
 }
 
 fn lamps(seed: Seed, plan: &Plan) -> Vec<Thing> {
-    let fronts = fronts(plan);
     let mut lamps = Vec::new();
     for (index, street) in plan.streets.iter().enumerate() {
         let mut draws = seed.stream(Purpose::Streets, (1 << 20) + index as u64);
         let side = if chance(&mut draws, 0.5) { 1.0 } else { -1.0 };
         let mut along = between(&mut draws, 4.0, BETWEEN_LAMPS_M);
         while along < street.length() {
-            let moved = LAMP_MOVES_M.map(|by| (along + by).clamp(0.0, street.length()));
-            let places = moved.map(|along| place_of_lamp(street, along, side));
-            let is_off_doors = |at: &&MapPoint| {
-                let distance = |front: &Segment| front.distance_to_point(**at);
-                fronts
-                    .iter()
-                    .all(|front| distance(front) > LAMP_FROM_DOORS_M)
+            let out = match street.class {
+                Class::Residential => street.edge() - 0.35,
+                Class::Living | Class::Service => street.edge() + 0.3,
             };
-            let at = places.iter().find(is_off_doors).unwrap_or(&places[0]);
-            if is_free_for_lamp(plan, index, *at) {
+            let at = street.pose_at(along).transform(0.0, side * out);
+            // Not in a road that joins the street here.
+            let others = plan.streets.iter().enumerate().filter(|(i, _)| *i != index);
+            let clear = others
+                .map(|(_, other)| other.nearest(at).point.distance(at) - other.edge())
+                .all(|d| d > 0.3);
+            let off_paths = plan
+                .paths
+                .iter()
+                .all(|path| distance(&path.line, at) > path.width / 2.0 + 0.8);
+            if clear && off_paths {
                 lamps.push(Thing {
-                    at: *at,
+                    at,
                     key: "highway",
                     value: "street_lamp",
                 });
@@ -96,39 +91,6 @@ fn lamps(seed: Seed, plan: &Plan) -> Vec<Thing> {
         }
     }
     lamps
-}
-
-fn place_of_lamp(street: &Street, along: f64, side: f64) -> MapPoint {
-    let out = match street.class {
-        Class::Residential => street.edge() - 0.35,
-        Class::Living | Class::Service => street.edge() + 0.3,
-    };
-    street.pose_at(along).transform(0.0, side * out)
-}
-
-fn is_free_for_lamp(plan: &Plan, street: usize, at: MapPoint) -> bool {
-    // Not in a road that joins the street here.
-    let others = plan.streets.iter().enumerate();
-    let others = others.filter(|(i, _)| *i != street);
-    let is_clear = others
-        .map(|(_, other)| other.nearest(at).point.distance(at) - other.edge())
-        .all(|d| d > 0.3);
-    let mut paths = plan.paths.iter();
-    is_clear && paths.all(|path| distance(&path.line, at) > path.width / 2.0 + 0.8)
-}
-
-/// The lines before all doors and the places of their plates.
-fn fronts(plan: &Plan) -> Vec<Segment> {
-    let doors = plan.homes.iter().flat_map(|home| &home.doors);
-    doors.flat_map(fronts_of).collect()
-}
-
-fn fronts_of(door: &DrawnDoor) -> [Segment; 3] {
-    let (out, along) = (door.wall.outward(), door.wall.bearing());
-    PLATES_M.map(|aside| {
-        let foot = door.at.offset(along, aside);
-        Segment::new(foot, foot.offset(out, BEFORE_DOOR_M))
-    })
 }
 
 fn trees(seed: Seed, plan: &Plan, ground: &Ground) -> Vec<Thing> {
@@ -174,28 +136,4 @@ fn trees(seed: Seed, plan: &Plan, ground: &Ground) -> Vec<Thing> {
 fn distance(line: &[MapPoint], point: MapPoint) -> f64 {
     let stretches = segments(line).map(|s| s.distance_to_point(point));
     stretches.fold(f64::INFINITY, f64::min)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::kind::Kind;
-
-    #[test]
-    fn hardly_a_lamp_stands_before_a_door() {
-        let (mut lamps, mut before_doors) = (0, 0);
-        for seed in 0..40 {
-            let seed = Seed::new(Kind::Medium, seed);
-            let plan = crate::tests::plan_of(Kind::Medium, seed);
-            let fronts = fronts(&plan);
-            let street_lamps = plan.things.iter().filter(|t| t.value == "street_lamp");
-            for lamp in street_lamps {
-                lamps += 1;
-                let is_before = |f: &Segment| f.distance_to_point(lamp.at) <= LAMP_FROM_DOORS_M;
-                before_doors += usize::from(fronts.iter().any(is_before));
-            }
-        }
-        assert!(lamps > 400, "{lamps}");
-        assert!(before_doors * 200 < lamps, "{before_doors} of {lamps}");
-    }
 }

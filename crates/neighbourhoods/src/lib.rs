@@ -177,15 +177,3 @@ fn plan(kind: Kind, style: Style, language: Language, seed: Seed) -> (Plan, Pose
     let start = start::draw(seed, &plan, &ground, &reach);
     (plan, start)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The plan of a neighbourhood.
-    pub(crate) fn plan_of(kind: Kind, of_all: Seed) -> Plan {
-        let style = Style::draw(&mut of_all.stream(Purpose::Style, 0));
-        let language = Language::draw(&mut of_all.stream(Purpose::Place, 0));
-        plan(kind, style, language, of_all).0
-    }
-}
