@@ -68,6 +68,7 @@ fn the_best_of_five_rules_finds_few_drawn_doors() {
     }
     println!("all places:");
     let best = all.report();
+    assert!(all.all > 2_500, "{}", all.all);
     assert!(best <= 0.2, "{best}");
 }
 
@@ -80,7 +81,7 @@ fn without_the_condition_the_first_rule_finds_them() {
     for (building, doors) in by_building(&world, &map) {
         found.add(&map, &map.buildings[building], &doors);
     }
-    assert!(found.report() > 0.5);
+    assert!(found.all > 10 && found.report() > 0.9);
 }
 
 #[test]
@@ -144,7 +145,7 @@ fn where_the_map_has_all_doors_the_condition_changes_nothing() {
     };
     let altered = load_with(&source, by).unwrap();
     assert_eq!(load(&source).unwrap().scene, altered.scene);
-    assert_eq!(altered.doors.unwrap().doors, 0);
+    assert_eq!(altered.doors, None);
     let usual = builtin_suite("small").unwrap();
     let same = Prepared::new(suite("small", 7), None).unwrap();
     assert_eq!(usual.episodes, same.suite.episodes);

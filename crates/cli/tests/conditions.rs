@@ -189,7 +189,7 @@ fn streets_that_differ_are_drawn_recorded_and_verified() {
     let (varied, plain) = (&results["provenance"], &plain["provenance"]);
     assert_ne!(varied["hashes"]["world"], plain["hashes"]["world"]);
     assert_eq!(varied["hashes"]["map"], plain["hashes"]["map"]);
-    let words = "world show one.toml --condition scenery=varied --out v.jpg";
+    let words = "world show small --condition scenery=varied --out v.jpg";
     place.openbench(words).succeeded();
     let refused = place.openbench("run one.toml --condition scenery.clutter=2 --out x");
     refused.refused_with(&["clutter = 2", "from 0 to 1"]);

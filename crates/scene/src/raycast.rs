@@ -251,7 +251,8 @@ impl Snapshot<'_> {
     }
 
     /// The same at `lag` seconds relative to that instant, from
-    /// -[`SWEEP_S`](crate::bvh::SWEEP_S) to 0. Faster, with places that differ by rounding.
+    /// -[`SWEEP_S`](crate::bvh::SWEEP_S) to 0. Faster, with places that differ by rounding. All
+    /// rays begin at one point, idle ones too.
     #[inline(always)]
     pub fn cast_block_at<const K: usize>(
         &self,

@@ -114,6 +114,26 @@ impl Policy {
         }
     }
 
+    /// The same; reports the wall time that the answer took, or that none came for.
+    fn ask_timed(
+        &mut self,
+        request: &Request,
+        observation: Option<&Observation<'_>>,
+        within: Duration,
+        events: &mut dyn Events,
+    ) -> Result<Reply, LinkError> {
+        let began = Instant::now();
+        let answered = self.ask(request, observation, within);
+        let took = match &answered {
+            Ok(answered) => answered.took,
+            Err(_) => began.elapsed(),
+        };
+        if self.is_timed {
+            events.record(Event::WallTime(took));
+        }
+        answered.map(|answered| answered.reply)
+    }
+
     /// Reports what a policy reports.
     fn record(&self, reports: Vec<Report>, events: &mut dyn Events) {
         let reported = reports.into_iter().filter_map(|report| self.event(report));
@@ -166,8 +186,7 @@ struct Answered {
 impl Agent for Policy {
     fn begin(&mut self, briefing: &Briefing, events: &mut dyn Events) -> Result<(), GiveUp> {
         let begin = Request::Begin(Box::new(Begin::new(briefing, self.seed)));
-        let answered = self.ask(&begin, None, self.patience.begin);
-        match answered.map(|answered| answered.reply) {
+        match self.ask_timed(&begin, None, self.patience.begin, events) {
             Ok(Reply::Ready { reports }) => {
                 self.record(reports, events);
                 Ok(())
@@ -182,11 +201,7 @@ impl Agent for Policy {
 
     fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         let act = Request::Act(Act::from(observation));
-        let answered = self.ask(&act, Some(observation), self.patience.act);
-        if let (true, Ok(Answered { took, .. })) = (self.is_timed, &answered) {
-            events.record(Event::WallTime(*took));
-        }
-        match answered.map(|answered| answered.reply) {
+        match self.ask_timed(&act, Some(observation), self.patience.act, events) {
             Ok(Reply::Action { action, reports }) if is_finite(&action) => {
                 self.record(reports, events);
                 action

@@ -8,7 +8,8 @@
 //!
 //! What work costs is a table, not a clock: runs repeat on every machine. Agents in other programs
 //! do not say what work they did; on request they are charged the wall time that they took, and
-//! such runs do not repeat.
+//! such runs do not repeat. They get what is newest when they are free, as a program that subscribes
+//! to sensors does: the samples of IMU and wheels that came meanwhile, the latest scan, the camera.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -51,6 +52,9 @@ pub(super) fn drive(rollout: &mut Rollout<'_>, agent: &mut dyn Agent, begun: Vec
     while rollout.status() == Status::Running {
         let now = rollout.observation().time;
         computer.sense(Sensed::of(&rollout.observation()));
+        if rollout.is_charged_by_clock() {
+            computer.merge_waiting();
+        }
         while let Some(sensed) = computer.next(now) {
             let mut observation = sensed.observation();
             // The camera delivers what it sees now, and only to who is up to date.
@@ -116,6 +120,12 @@ impl Computer {
         }
     }
 
+    /// Makes one observation of all that wait.
+    fn merge_waiting(&mut self) {
+        let all = std::mem::take(&mut self.waiting);
+        self.waiting.extend(all.into_iter().reduce(merged));
+    }
+
     /// The next observation to work on, if the work on those before is done.
     fn next(&mut self, now: SimTime) -> Option<Sensed> {
         if self.free_at > now {
@@ -126,14 +136,14 @@ impl Computer {
 
     /// Records events in the rollout; returns what the work among them costs.
     fn record(&mut self, rollout: &mut Rollout<'_>, events: Vec<Event>) -> Duration {
-        let mut cost = Duration::ZERO;
+        let (mut by_clock, mut by_table) = (Duration::ZERO, Duration::ZERO);
         for event in events {
-            // By the clock of this machine, however slow the one of the table is.
-            cost += self.wall_time(&event);
-            cost += self.cost(&event).mul_f64(self.compute.slowness);
+            by_clock += self.wall_time(&event);
+            by_table += self.cost(&event);
             rollout.record(event);
         }
-        cost
+        // The clock is that of this machine, however slow the one of the table is.
+        by_clock + by_table.mul_f64(self.compute.slowness)
     }
 
     fn wall_time(&mut self, event: &Event) -> Duration {
@@ -203,6 +213,17 @@ impl Computer {
     }
 }
 
+/// An observation of the newer instant with the samples of both.
+fn merged(older: Sensed, newer: Sensed) -> Sensed {
+    Sensed {
+        imu: [older.imu, newer.imu].concat(),
+        wheels: [older.wheels, newer.wheels].concat(),
+        scan: newer.scan.or(older.scan),
+        gnss: newer.gnss.or(older.gnss),
+        ..newer
+    }
+}
+
 fn cost_of_models(used: &ModelUse) -> Duration {
     let tokens = |count: u64, each: Duration| each * u32::try_from(count).unwrap_or(u32::MAX);
     REQUEST * used.calls
@@ -217,6 +238,8 @@ fn nanoseconds(duration: Duration) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use openbench_core::ImuSample;
+
     use super::*;
     use crate::suite::Condition;
 
@@ -270,6 +293,27 @@ mod tests {
             computer.sense(sensed(1_000 + 50 * ms));
         }
         assert_eq!(computer.computing.lost_observations, 63);
+    }
+
+    #[test]
+    fn what_waits_becomes_one_observation_with_all_samples() {
+        let mut computer = charged();
+        let sample = |ms: u64| ImuSample {
+            stamp: at(ms),
+            gyro: Default::default(),
+            accel: Default::default(),
+        };
+        for ms in [50, 100, 150] {
+            let imu = vec![sample(ms - 10), sample(ms)];
+            computer.sense(Sensed { imu, ..sensed(ms) });
+        }
+        computer.merge_waiting();
+        let one = computer.next(at(150)).unwrap();
+        assert_eq!((one.time, one.imu.len()), (at(150), 6));
+        assert!(one.imu.is_sorted_by_key(|sample| sample.stamp));
+        assert!(computer.next(at(150)).is_none());
+        computer.merge_waiting();
+        assert!(computer.next(at(150)).is_none());
     }
 
     #[test]

@@ -159,6 +159,11 @@ impl<'o> Rollout<'o> {
         }
     }
 
+    /// Whether the agent's wall time is charged.
+    pub(super) fn is_charged_by_clock(&self) -> bool {
+        self.is_charged_by_clock
+    }
+
     /// Whether computing takes simulated time in this episode.
     pub(super) fn is_computing_charged(&self) -> bool {
         self.is_charged_by_clock || !self.compute.is_off()

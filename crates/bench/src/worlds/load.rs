@@ -12,7 +12,7 @@ use super::places::Place;
 use super::recipe::Recipe;
 use crate::BenchError;
 use crate::suite::WorldSource;
-use crate::suite::builtin::known_suites;
+use crate::suite::builtin::builtin_suites;
 
 /// Builds a world.
 ///
@@ -73,7 +73,7 @@ fn refuse_alterations(by: Alterations) -> Result<(), BenchError> {
 fn builtin(name: &str, seed: u64, by: Alterations) -> Result<World, BenchError> {
     let unknown = || BenchError::UnknownSuite {
         name: name.to_owned(),
-        known: known_suites(),
+        known: builtin_suites(),
     };
     if let Some(place) = Place::named(name) {
         return place.world(seed, by);

@@ -244,7 +244,7 @@ impl Prepared {
     /// Draws the deliveries of a suite again if they were drawn from doors of the world, and some
     /// of its doors depend on the seed: as many, each to as many doors.
     fn draw_deliveries_again(&mut self) -> Result<(), BenchError> {
-        let has_drawn = self.world.doors.is_some_and(|drawn| drawn.doors > 0);
+        let has_drawn = (self.world.doors).is_some_and(|drawn| drawn.doors + drawn.without > 0);
         if !has_drawn || self.suite.targets != TargetSource::World {
             return Ok(());
         }

@@ -204,7 +204,8 @@ impl TriangleBvh {
         self.cast_beam(beam, rays, opaque, EachPacket { tree, rays, opaque })
     }
 
-    /// The same, faster, with distances and weights that differ by rounding.
+    /// The same, faster, with distances and weights that differ by rounding. Idle rays, too, begin
+    /// at the origin.
     #[inline(always)]
     pub(crate) fn cast_block_from_point<const K: usize>(
         &self,
@@ -477,6 +478,11 @@ mod tests {
                     let (a, b) = (alone.distance[lane], from_point[i].distance[lane]);
                     let coarse = 1e-3 * a + 1e-5 * away.abs();
                     near_edges += u32::from((a - b).abs() > coarse);
+                    let is_same = alone.triangle[lane] == from_point[i].triangle[lane];
+                    if hit && is_same && away == 0.0 {
+                        prop_assert!((alone.u[lane] - from_point[i].u[lane]).abs() < 0.05);
+                        prop_assert!((alone.v[lane] - from_point[i].v[lane]).abs() < 0.05);
+                    }
                 }
             }
             prop_assert!(near_edges <= 4, "{} of 64 rays differ", near_edges);

@@ -132,8 +132,13 @@ pub(super) struct Faces {
 /// Corners of a packet's tile: upper left, upper right, lower left, lower right.
 const CORNERS: [usize; 4] = [0, TILE - 1, LANES - TILE, LANES - 1];
 
+/// The largest square of the distance between opposite corners of a tile whose light is
+/// interpolated, metres squared. Farther apart there may be a pool of light between them.
+const INTERPOLATED_SQUARE: f32 = 0.25;
+
 /// Adds the light of lamps, which falls with the square of the distance. Where a packet shows one
-/// triangle, as `uniform` says, it is computed at the corners of the tile and interpolated.
+/// triangle, as `uniform` says, and little of it, it is computed at the corners of the tile and
+/// interpolated.
 #[inline(always)]
 pub(super) fn add_lamps(
     light: &mut [Block; 3],
@@ -144,10 +149,14 @@ pub(super) fn add_lamps(
     if lamps.is_empty() {
         return;
     }
-    if uniform.contains(&true) {
+    let mut even = *uniform;
+    for (packet, even) in even.iter_mut().enumerate() {
+        *even &= is_small(faces, packet);
+    }
+    if even.contains(&true) {
         let corner = |lane: usize| LANES * (lane / 4) + CORNERS[lane % 4];
         let sum = lamplight(lamps, &Places::at(faces, corner));
-        for packet in (0..PACKETS).filter(|packet| uniform[*packet]) {
+        for packet in (0..PACKETS).filter(|packet| even[*packet]) {
             for (light, sum) in light.iter_mut().zip(&sum) {
                 let first = 4 * packet;
                 let corners = [sum[first], sum[first + 1], sum[first + 2], sum[first + 3]];
@@ -155,7 +164,7 @@ pub(super) fn add_lamps(
             }
         }
     }
-    for packet in (0..PACKETS).filter(|packet| !uniform[*packet]) {
+    for packet in (0..PACKETS).filter(|packet| !even[*packet]) {
         let sum = lamplight(lamps, &Places::at(faces, |lane| LANES * packet + lane));
         for (light, sum) in light.iter_mut().zip(&sum) {
             for (light, sum) in light[LANES * packet..][..LANES].iter_mut().zip(sum) {
@@ -163,6 +172,23 @@ pub(super) fn add_lamps(
             }
         }
     }
+}
+
+/// Whether the corners of a tile are near to each other on the surface.
+#[inline(always)]
+fn is_small(faces: &Faces, packet: usize) -> bool {
+    let (mut falling, mut rising) = (0.0, 0.0);
+    for at in &faces.at {
+        let [a, b, c, d] = [
+            at[LANES * packet + CORNERS[0]],
+            at[LANES * packet + CORNERS[1]],
+            at[LANES * packet + CORNERS[2]],
+            at[LANES * packet + CORNERS[3]],
+        ];
+        falling += (a - d) * (a - d);
+        rising += (b - c) * (b - c);
+    }
+    falling < INTERPOLATED_SQUARE && rising < INTERPOLATED_SQUARE
 }
 
 /// Adds to the pixels of a tile what lies between the values at its corners.
@@ -265,6 +291,38 @@ mod tests {
         // Nothing shines upwards, and a surface at the lamp itself is lit finitely.
         assert_eq!(below(-5.0), 0.0);
         assert!(below(0.0).is_finite());
+    }
+
+    #[test]
+    fn light_between_the_corners_of_tiles_is_nearly_that_of_each_pixel() {
+        use super::super::block::PLACES;
+
+        let plane = |step: f32| {
+            let mut faces = Faces {
+                at: [[0.0; BLOCK]; 3],
+                normal: [[0.0; BLOCK]; 3],
+            };
+            for i in 0..BLOCK {
+                faces.at[0][i] = step * PLACES[0][i];
+                faces.at[1][i] = 2.0 - 0.5 * step * PLACES[1][i];
+            }
+            faces.normal[2] = [1.0; BLOCK];
+            faces
+        };
+        let lamps = [lamp([0.3, 1.0, 3.0]), lamp([-2.0, 2.5, 4.0])];
+        let lit = |step: f32, uniform: bool| {
+            let mut light = [[0.0; BLOCK]; 3];
+            add_lamps(&mut light, &lamps, &plane(step), &[uniform; PACKETS]);
+            light[1]
+        };
+        let (between, each) = (lit(0.05, true), lit(0.05, false));
+        assert_ne!(between, each);
+        for (between, each) in between.iter().zip(&each) {
+            assert!((between / each - 1.0).abs() < 2e-3, "{between} {each}");
+        }
+        assert!(each[0] != each[BLOCK - 1] && each[1] != each[TILE]);
+        // Tiles that show much of a surface are not interpolated.
+        assert_eq!(lit(1.0, true), lit(1.0, false));
     }
 
     #[test]

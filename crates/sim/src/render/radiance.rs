@@ -126,7 +126,8 @@ impl Shader {
                 let sent = share * share * light[channel][i] + clear * glow.behind[channel][i];
                 // Wet stone is darker, and mirrors the sky.
                 let sent = sent * (1.0 - WET_DARKENING * mirror.water[i]);
-                let sent = sent + mirror.share[i] * (mirror.sky[channel][i] - sent);
+                let share = mirror.share[i] * (1.0 - mirror.pane[i] * (1.0 - clear));
+                let sent = sent + share * (mirror.sky[channel][i] - sent);
                 let near = 255.0 * (sent + glow.own[channel][i]).sqrt();
                 let far = near + haze[i] * (horizon - near);
                 let sky = colors[channel][i];
@@ -149,6 +150,7 @@ impl Shader {
     ) -> Mirror {
         let mut mirror = Mirror {
             water: [0.0; BLOCK],
+            pane: [0.0; BLOCK],
             share: [0.0; BLOCK],
             sky: [[0.0; BLOCK]; 3],
         };
@@ -168,6 +170,7 @@ impl Shader {
         let mut mirrored = *sight.directions;
         for i in 0..BLOCK {
             let pane = if surfaces.pane[i] { 1.0 } else { 0.0 };
+            mirror.pane[i] = pane;
             // Water is level, whatever the ground under it.
             let normal = [
                 pane * faces.normal[0][i],
@@ -235,6 +238,8 @@ impl Shader {
 struct Mirror {
     /// Water on it; 0 where it is dry.
     water: Block,
+    /// 1 where it is a pane, of which only what is dark is glass, else 0.
+    pane: Block,
     /// Share of the light that it mirrors.
     share: Block,
     /// The light of the sky that it mirrors.
