@@ -38,8 +38,8 @@ pub const TRACKS: [Track; 3] = [
     },
     Track {
         name: "street",
-        about: "a day in a street: the map of a city, a start within 5 m, real plates, streets that \
-                differ, ten people, five cars, computing takes time",
+        about: "a day in a street: the map of a city, a start within 5 m, real plates, streets \
+                that differ, ten people, five cars, computing takes time",
         conditions: &[
             ("map", "city"),
             ("start", "5m"),
@@ -60,8 +60,8 @@ pub const TRACKS: [Track; 3] = [
     },
     Track {
         name: "hard",
-        about: "dusk, rain or night: a poor map, a start somewhere in a block, real plates, streets \
-                that differ, forty people, five cars, computing takes time",
+        about: "dusk, rain or night: a poor map, a start somewhere in a block, real plates, \
+                streets that differ, forty people, five cars, computing takes time",
         conditions: &[
             ("map", "poor"),
             ("start", "block"),

@@ -18,7 +18,7 @@ use super::surroundings::surroundings;
 use super::targets::{Target, find_doors, match_doors, read_truths};
 use crate::BenchError;
 use crate::suite::draw::Draw;
-use crate::suite::{Condition, GoalKind, Suite, TargetSource};
+use crate::suite::{Condition, Episode, GoalKind, Suite, TargetSource};
 
 /// Constant part of the time limit of a delivery.
 const BASE_TIME_LIMIT_S: f64 = 120.0;
@@ -50,6 +50,8 @@ pub struct PreparedEpisode {
 pub struct Prepared {
     /// The suite.
     pub suite: Suite,
+    /// Its episodes as they were given, before deliveries were drawn again for drawn doors.
+    given: Vec<Episode>,
     /// The world.
     pub world: World,
     /// The world as the simulator needs it.
@@ -163,6 +165,7 @@ impl Prepared {
         let door_buildings = doors.map(|door| building_of(&true_map, door)).collect();
         let (episodes, truth) = (Vec::new(), None);
         Ok(Self {
+            given: suite.episodes.clone(),
             suite,
             world,
             stage,
@@ -191,8 +194,12 @@ impl Prepared {
             return Ok(None);
         }
         if suite.alterations() != self.suite.alterations() {
-            // The world is another one.
-            return Self::new(suite, self.truth.as_deref()).map(Some);
+            // The world is another one, with more doors or fewer.
+            let given = Suite {
+                episodes: self.given.clone(),
+                ..suite
+            };
+            return Self::new(given, self.truth.as_deref()).map(Some);
         }
         let other = self.redrawn(suite);
         Ok(Some(other.with_episodes(self.truth.as_deref())?))
@@ -203,6 +210,7 @@ impl Prepared {
         Self {
             defects: suite.conditions.robot.draw(suite.seed),
             surroundings: surroundings(&self.world, &suite.conditions, suite.seed),
+            given: self.given.clone(),
             suite,
             world: self.world.clone(),
             stage: self.stage.clone(),

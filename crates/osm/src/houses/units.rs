@@ -4,7 +4,10 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::draws::{between, chance, whole};
 
-/// The units of so many doors.
+/// Letters of the alphabet: no house with more doors has them.
+const LETTERS: usize = 26;
+
+/// The units of so many doors, all different.
 pub(super) fn units(count: usize, draws: &mut Pcg64Mcg) -> Vec<String> {
     let share = between(draws, 0.0, 1.0);
     // One number may be left out, as where two flats were joined.
@@ -15,9 +18,9 @@ pub(super) fn units(count: usize, draws: &mut Pcg64Mcg) -> Vec<String> {
     };
     (0..count)
         .map(|i| {
-            let letter = char::from(b'A' + (i % 26) as u8);
+            let letter = char::from(b'A' + (i % LETTERS) as u8);
             match share {
-                share if share < 0.12 && count > 1 => letter.to_string(),
+                share if share < 0.12 && (2..=LETTERS).contains(&count) => letter.to_string(),
                 share if share < 0.18 && count > 2 => (100 + number(i)).to_string(),
                 _ => number(i).to_string(),
             }
@@ -32,11 +35,11 @@ mod tests {
 
     #[test]
     fn the_units_of_a_building_are_different() {
-        for seed in 0..200 {
-            let mut names = units(20, &mut stream(seed, 1, 0));
+        for (seed, count) in (0..200).flat_map(|seed| [(seed, 2), (seed, 20), (seed, 40)]) {
+            let mut names = units(count, &mut stream(seed, 1, 0));
             names.sort();
             names.dedup();
-            assert_eq!(names.len(), 20);
+            assert_eq!(names.len(), count);
         }
     }
 }

@@ -302,10 +302,8 @@ mod tests {
                 at: [[0.0; BLOCK]; 3],
                 normal: [[0.0; BLOCK]; 3],
             };
-            for i in 0..BLOCK {
-                faces.at[0][i] = step * PLACES[0][i];
-                faces.at[1][i] = 2.0 - 0.5 * step * PLACES[1][i];
-            }
+            faces.at[0] = PLACES[0].map(|column| step * column);
+            faces.at[1] = PLACES[1].map(|row| 2.0 - 0.5 * step * row);
             faces.normal[2] = [1.0; BLOCK];
             faces
         };
