@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use openbench_core::MapPoint;
-use openbench_geometry::segments;
+use openbench_geometry::{Bounds, Segment, segments, signed_area, turn};
 use openbench_osm::OsmMap;
 use openbench_scene::generate::{Alterations, SceneryOptions, builtin, builtin_with};
 use openbench_scene::scenery::Scenery;
@@ -163,4 +163,58 @@ fn beyond(pit: &[MapPoint], middle: MapPoint, times: f64) -> MapPoint {
     let (a, b) = (pit[1], pit[2]);
     let away = |from: f64, a: f64, b: f64| from + ((a + b) / 2.0 - from) * (1.0 + times);
     MapPoint::new(away(middle.x, a.x, b.x), away(middle.y, a.y, b.y))
+}
+
+#[test]
+fn the_ground_lies_once_and_every_pit_is_open() {
+    let relief = Scenery {
+        relief: 1.0,
+        ..Scenery::PLAIN
+    };
+    let mut pits = 0;
+    for name in ["small", "medium", "large"] {
+        for seed in 0..8 {
+            let world = world(name, relief, seed);
+            let scene = &world.scene;
+            let grounds = ground_triangles(&world);
+            pits += scene.pits.len();
+            assert_eq!(world.scenery.as_ref().unwrap().wells, scene.pits.len());
+            for pit in &scene.pits {
+                let middle = Segment::new(pit[0], pit[2]).middle();
+                let covers = |[a, b, c]: &[MapPoint; 3]| {
+                    let sides = [[a, b], [b, c], [c, a]];
+                    sides.iter().all(|[p, q]| turn(**p, **q, middle) > 0.0)
+                };
+                assert!(!grounds.iter().any(covers), "{name}, {seed}: {middle:?}");
+            }
+            let area: f64 = grounds.iter().map(|[a, b, c]| turn(*a, *b, *c) / 2.0).sum();
+            let missing: f64 = scene.pits.iter().map(|pit| signed_area(pit).abs()).sum();
+            let bounds = grounds.iter().flatten().map(|p| Bounds::of_point(*p));
+            let bounds = bounds.reduce(Bounds::union).unwrap();
+            let whole = signed_area(&bounds.corners());
+            // Corners are rounded to 32 bits.
+            assert!(
+                (whole - missing - area).abs() < 1e-4 * whole,
+                "{name}, {seed}"
+            );
+        }
+    }
+    assert!(pits > 40, "{pits}");
+}
+
+/// The visible ground around pits.
+fn ground_triangles(world: &World) -> Vec<[MapPoint; 3]> {
+    let scene = &world.scene;
+    let numbered = scene.triangles.iter().zip(&scene.object_numbers);
+    let of_ground = numbered.filter(|(_, number)| {
+        let object = scene.object(**number).unwrap();
+        object.name == "ground"
+    });
+    let corner = |i: u32| {
+        let [x, y, _] = scene.vertices[i as usize].position;
+        MapPoint::new(f64::from(x), f64::from(y))
+    };
+    of_ground
+        .map(|(triangle, _)| triangle.corners.map(corner))
+        .collect()
 }

@@ -6,8 +6,8 @@
 //! repaint the houses. The same map, seed and options give the same bytes on every machine.
 //!
 //! The ground is level: slopes, bridges and tunnels are left out, and kerbs are raised where the
-//! map has them as lines of their own (`barrier=kerb`), and where the scenery has them. A robot cannot get into water: a low wall
-//! goes around it.
+//! map has them as lines of their own (`barrier=kerb`), and where the scenery has them. A robot
+//! cannot get into water: a low wall goes around it.
 //!
 //! A world is generated in three stages. `Inputs` are computed of the map and then immutable.
 //! Generators, which are functions of them, build an `Output`. Scene and public map become a
@@ -246,6 +246,7 @@ fn generate_within(
         map: &map,
         clearance: &clearance,
         doorways: &doorways,
+        ground: ground::terrain::rim_of(extent),
         features: &features,
         options: &options.scenery,
         has_sea: !sea.is_empty(),

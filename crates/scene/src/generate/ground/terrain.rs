@@ -21,9 +21,14 @@ pub(super) const RIM_M: f64 = 0.05;
 /// Largest error of the area of the land, as a share of the whole.
 const AREA_TOLERANCE: f64 = 1e-3;
 
+/// What the ground covers.
+pub(crate) fn rim_of(extent: Bounds) -> Bounds {
+    extent.grown(GROUND_MARGIN_M + RIM_M)
+}
+
 /// Builds the ground and the sea.
 pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
-    let rim = inputs.extent.grown(GROUND_MARGIN_M + RIM_M);
+    let rim = rim_of(inputs.extent);
     let Bounds { low, high } = rim;
     let grass = inputs.palette.grass;
     let scene = &mut out.scene;
@@ -42,7 +47,7 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
         scene.rectangle(layer, grass.material, at(low, 0.0), east, north, repeat);
     } else {
         // There are none where there is sea.
-        perforated(scene, grass, &rim.corners(), &holes);
+        perforated(scene, grass, &inputs.relief.ground);
         holes.iter().for_each(|hole| scene.pit(hole));
     }
     // The extent is that of what is drawn, without the solid ground beyond.
@@ -75,13 +80,8 @@ pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
 }
 
 /// The ground with holes.
-fn perforated(
-    scene: &mut SceneBuilder,
-    grass: Surface,
-    outline: &[MapPoint; 4],
-    holes: &[Vec<MapPoint>],
-) {
-    for triangle in triangulate(outline, holes) {
+fn perforated(scene: &mut SceneBuilder, grass: Surface, ground: &[[MapPoint; 3]]) {
+    for triangle in ground {
         let corners = triangle.map(|p| Corner::new(at(p, 0.0), level_uv(grass, p)));
         scene.mesh(Layer::Both, grass.material, &corners, &[[0, 1, 2]]);
     }

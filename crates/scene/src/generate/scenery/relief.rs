@@ -2,12 +2,14 @@
 //! steps, and the ground its holes.
 
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::Bounds;
 use openbench_osm::OsmMap;
 
 use super::kinds::Footprint;
 use super::steps::{self, Entry};
 use super::wells::{self, Well};
 use crate::generate::doors::doorway::Doorway;
+use crate::generate::ground::pitted::pieces;
 use crate::generate::layout::clearance::{BARRIER, Clearance};
 use crate::generate::layout::features::Feature;
 use crate::generate::layout::occupied::Occupied;
@@ -18,6 +20,8 @@ pub(in crate::generate) struct Site<'a> {
     pub map: &'a OsmMap,
     pub clearance: &'a Clearance,
     pub doorways: &'a [Doorway],
+    /// What the ground covers.
+    pub ground: Bounds,
     /// Where the map has lamps, benches and trees.
     pub features: &'a [Feature],
     pub options: &'a SceneryOptions,
@@ -31,6 +35,8 @@ pub(in crate::generate) struct Relief {
     /// Entries that are not level.
     pub entries: Vec<Entry>,
     pub wells: Vec<Well>,
+    /// Triangles of the ground between the wells; none without wells.
+    pub ground: Vec<[MapPoint; 3]>,
 }
 
 impl Relief {
@@ -42,7 +48,15 @@ impl Relief {
         let mut occupied = Occupied::new(site.clearance);
         let entries = steps::plan(site, &mut occupied);
         let wells = wells::plan(site, &mut occupied);
-        Self { entries, wells }
+        let holes: Vec<Vec<MapPoint>> = wells.iter().map(Well::hole).collect();
+        // Without a ground that adds up there are no wells: neither pits nor counts may have them.
+        let ground = pieces(site.ground, &holes).filter(|_| !holes.is_empty());
+        let wells = if ground.is_some() { wells } else { Vec::new() };
+        Self {
+            entries,
+            wells,
+            ground: ground.unwrap_or_default(),
+        }
     }
 
     /// Height of a door above the ground, metres.
@@ -75,8 +89,7 @@ impl Relief {
 
     /// Outlines of the places without ground, clockwise.
     pub fn holes(&self) -> Vec<Vec<MapPoint>> {
-        let ring = |well: &Well| well.ring().into_iter().rev().collect();
-        self.wells.iter().map(ring).collect()
+        self.wells.iter().map(Well::hole).collect()
     }
 }
 

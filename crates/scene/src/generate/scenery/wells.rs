@@ -10,6 +10,7 @@ use super::relief::{Site, shifted};
 use super::streams::{Purpose, stream};
 use crate::generate::buildings::walls::walls;
 use crate::generate::ground::aprons::is_in_town;
+use crate::generate::ground::pitted::{frame_of, lies_in};
 use crate::generate::inputs::Inputs;
 use crate::generate::layout::clearance::{
     BARRIER, BUILDING, DOOR, DRIVEWAY, OBJECT, PATH, PAVED, ROAD, START, WATER,
@@ -61,6 +62,11 @@ impl Well {
         ]
     }
 
+    /// Its outline as a hole in the ground: clockwise.
+    pub fn hole(&self) -> Vec<MapPoint> {
+        self.ring().into_iter().rev().collect()
+    }
+
     /// The ground that it takes.
     pub fn footprint(&self) -> Footprint {
         let radius = self.width / 2.0 + RIM_M;
@@ -103,13 +109,21 @@ pub(super) fn plan(site: &Site, occupied: &mut Occupied) -> Vec<Well> {
             continue;
         }
         let ground = well.footprint();
-        let is_free = occupied.is_free(ground.axis, ground.radius, OBJECT);
+        let is_free = occupied.is_free(ground.axis, ground.radius, OBJECT)
+            && can_be_cut_out(site, &well, &wells);
         if is_free && stays_open(occupied, ground.axis, ground.radius) {
             occupied.add(ground.axis, ground.radius);
             wells.push(well);
         }
     }
     wells
+}
+
+/// Whether the ground can be cut out at a well: its frame touches no other and is in the ground.
+fn can_be_cut_out(site: &Site, well: &Well, wells: &[Well]) -> bool {
+    let frame = frame_of(&well.ring());
+    let mut others = wells.iter().map(|other| frame_of(&other.ring()));
+    lies_in(frame, site.ground) && !others.any(|other| other.meets(frame, 0.0))
 }
 
 /// A height of a rim from 10 to 14 cm, by a share.
