@@ -52,6 +52,8 @@ struct Custom {
     mount: Mount,
     /// Height of the middle of plates beside the door and on its leaf, metres.
     height: f64,
+    /// Height of the door above the ground, metres: plates above it are lifted with its frame.
+    lift: f64,
 }
 
 impl Custom {
@@ -68,7 +70,8 @@ impl Custom {
             &[Mount::Beside, Mount::Beside, Mount::Beside, Mount::Above],
         );
         let height = between(draws, 1.45, 1.85);
-        let has_room_above = !house.canopy && house.eaves > LOWEST_EAVES_M;
+        let lift = inputs.relief.lift(door);
+        let has_room_above = !house.canopy && house.eaves > LOWEST_EAVES_M + lift;
         let mount = match wish {
             Mount::Above if has_room_above => Mount::Above,
             // The wall has no room there, or the plate is on the leaf by draw.
@@ -81,6 +84,7 @@ impl Custom {
             language,
             mount,
             height,
+            lift,
         }
     }
 }
@@ -244,7 +248,7 @@ impl Place {
     fn of(custom: &Custom, door: &Doorway, size: Extent) -> Self {
         let [depth, left, up] = match custom.mount {
             Mount::Leaf => [0.06, 0.0, custom.height.min(1.75)],
-            Mount::Above => [0.02, 0.0, ABOVE_M + size.height_m / 2.0],
+            Mount::Above => [0.02, 0.0, ABOVE_M + custom.lift + size.height_m / 2.0],
             Mount::Beside => {
                 let side = door.plate_offset.signum();
                 [0.035, side * (BESIDE_M + size.width_m / 2.0), custom.height]
