@@ -1,8 +1,8 @@
-//! Raised kerbs between carriageways and their pavements, with dropped kerbs at junctions, crossings
-//! and driveways, before doors, and at least every twelve metres.
+//! Raised kerbs between carriageways and their pavements, with dropped kerbs at junctions,
+//! crossings and driveways, before doors, and at least every twelve metres.
 //!
-//! A stretch is raised only where the pavement beside it is free, and where one can cross at both of
-//! its ends: whoever could cross it before goes around it.
+//! A stretch is raised only where the pavement beside it is free, and where one can cross at both
+//! of its ends: whoever could cross it before goes around it.
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::{Segment, segments};
@@ -97,6 +97,8 @@ struct Line {
     /// Where the segment begins, along it.
     origin: Pose2,
     length: f64,
+    /// Number of the segment in its street.
+    number: usize,
     /// 1 on the left, -1 on the right.
     side: f64,
     /// Half the width of the carriageway, metres.
@@ -128,7 +130,7 @@ impl Street<'_> {
     /// The stretches of both kerbs that are raised.
     fn stretches(&self, occupied: &Occupied) -> Vec<Segment> {
         let mut found = Vec::new();
-        for segment in segments(&self.road.points) {
+        for (number, segment) in segments(&self.road.points).enumerate() {
             for (side, has_pavement) in [1.0, -1.0].into_iter().zip(self.profile.sides) {
                 if !has_pavement || !self.inputs.is_on_ground(segment.middle()) {
                     continue;
@@ -136,6 +138,7 @@ impl Street<'_> {
                 let line = Line {
                     origin: segment.pose(),
                     length: segment.length(),
+                    number,
                     side,
                     half: self.profile.width / 2.0,
                     pavement: self.profile.pavement,
@@ -165,8 +168,12 @@ impl Street<'_> {
         let is_crossed = !occupied.is_free_at(kerb, NEAR_M, PATH | DRIVEWAY | DOOR | START);
         // Bends are left out: pieces of two segments would cross there.
         let is_at_end = run < MOUTH_M || run > line.length - MOUTH_M;
+        let half = STEP_M / 2.0;
+        let stone = Segment::new(line.kerb(run - half), line.kerb(run + half));
+        let reach = line.half + KERB_WIDTH_M;
         !is_crossed
             && !is_at_end
+            && !is_on_carriageway(stone, &self.road.points, line.number, reach)
             && !self.is_at_junction(kerb)
             && occupied.is_free_at(kerb, 0.1, WALLS)
             && occupied.is_free_at(line.pavement(run), ROOM_M, WALLS)
@@ -184,6 +191,13 @@ impl Street<'_> {
                 lane.ends(roads).distance_to_point(p) < reach
             })
     }
+}
+
+/// Whether a stone of one segment's kerb lies on the carriageway of another segment of the same
+/// street: on the inside of bends. The carriageway with its kerbs reaches `reach` metres aside.
+fn is_on_carriageway(stone: Segment, road: &[MapPoint], own: usize, reach: f64) -> bool {
+    let mut others = segments(road).enumerate().filter(|(i, _)| *i != own);
+    others.any(|(_, other)| stone.distance_to(other) < reach)
 }
 
 /// Whether one can cross beyond both ends of a stretch.
@@ -222,6 +236,16 @@ fn runs(raised: &[bool]) -> Vec<[usize; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_kerb_is_raised_on_the_carriageway_behind_a_bend() {
+        let road = [(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)].map(|(x, y)| MapPoint::new(x, y));
+        let stone = |x: f64, y: f64| Segment::new(MapPoint::new(x, y), MapPoint::new(x + 0.5, y));
+        let is_on = |x, y| is_on_carriageway(stone(x, y), &road, 0, 3.0 + KERB_WIDTH_M);
+        assert!(is_on(17.5, 3.07), "inside of the bend");
+        assert!(!is_on(10.0, 3.07), "before the bend");
+        assert!(!is_on(17.5, -3.07), "outside of the bend");
+    }
 
     #[test]
     fn long_kerbs_are_dropped_in_between() {
