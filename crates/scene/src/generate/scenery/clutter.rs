@@ -107,7 +107,7 @@ impl Street<'_, '_> {
         let left = if hides_plate {
             door.plate_offset
         } else {
-            side * (DOOR_LANE_M + thing.half.along * 1.1 + gap)
+            side * (DOOR_LANE_M + thing.reach_along() + gap)
         };
         let is_built = self.place(&thing, at_foot(door.pose(), left, &thing), 0, &mut rng);
         if is_built {
@@ -150,7 +150,10 @@ impl Street<'_, '_> {
                     // Its back to the carriageway.
                     let along = segment.at(share);
                     let left_of_road = Pose2::new(along.x, along.y, segment.bearing());
-                    let kerb = left_of_road.transform(0.0, side * (profile.width / 2.0 + 0.15));
+                    // The ground that it takes is rounder than the thing itself.
+                    let rounding = thing.reach_out() - thing.half.out;
+                    let from_middle = profile.width / 2.0 + 0.15 + rounding;
+                    let kerb = left_of_road.transform(0.0, side * from_middle);
                     let out = segment.bearing() + side * std::f64::consts::FRAC_PI_2;
                     let pose = at_foot(Pose2::new(kerb.x, kerb.y, out), 0.0, &thing);
                     self.place(&thing, pose, DOOR, &mut rng);
@@ -163,7 +166,11 @@ impl Street<'_, '_> {
     fn place(&mut self, thing: &Thing, pose: Pose2, more: Kinds, rng: &mut Pcg64Mcg) -> bool {
         let ground = thing.footprint(pose);
         let near = self.inputs.is_on_ground(pose.point());
-        if !near || self.out.is_full() || !self.is_free(ground, IN_THE_WAY | more) {
+        if !near
+            || self.out.is_full()
+            || !self.is_free(ground, IN_THE_WAY | more)
+            || !self.is_beside_walls(thing, pose)
+        {
             return false;
         }
         if !stays_open(self.occupied, ground.axis, ground.radius) {
@@ -184,12 +191,16 @@ impl Street<'_, '_> {
     fn is_free(&self, Footprint { axis, radius }: Footprint, kinds: Kinds) -> bool {
         let p = axis.middle();
         self.occupied.is_free(axis, radius + AROUND_M, kinds & !BUILDING)
-            // Things may lean on walls.
-            && self.occupied.is_free(axis, radius, kinds & BUILDING)
             // Car parks are full of cars that come and go.
             && self.inputs.clearance.areas_at(p, PAVED) == 0
             && self.gates.iter().all(|gate| axis.distance_to_point(*gate) > radius + GATE_ROOM_M)
             && self.leaves_doors(axis, radius)
+    }
+
+    /// Whether no corner or side of a thing is in a building; things may lean on walls.
+    fn is_beside_walls(&self, thing: &Thing, pose: Pose2) -> bool {
+        let mut sides = thing.outline(pose).into_iter();
+        sides.all(|side| self.occupied.is_free(side, FROM_WALL_M / 2.0, BUILDING))
     }
 
     /// Whether a robot can stand before every door.
@@ -204,9 +215,6 @@ impl Street<'_, '_> {
 
 /// The middle of a thing that stands at a wall, so far to the left of a pose that faces out of it.
 fn at_foot(wall: Pose2, left: f64, thing: &Thing) -> Pose2 {
-    // By the radius of its ground, which is a little more than half its depth.
-    let Footprint { radius, .. } = thing.footprint(wall);
-    let out = thing.half.out.max(radius) + FROM_WALL_M;
-    let p = wall.transform(out, left);
+    let p = wall.transform(thing.half.out + FROM_WALL_M, left);
     Pose2::new(p.x, p.y, wall.yaw)
 }

@@ -68,6 +68,10 @@ pub(super) const ON_PAVEMENTS: [Kind; 8] = [
     Kind::Rubble,
 ];
 
+/// Radius of a capsule that holds the corners of a rectangle, in halves of its shorter side: the
+/// root of two, and rounding.
+const CORNERS: f64 = 1.4143;
+
 /// Half the extent of a thing, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Half {
@@ -141,12 +145,30 @@ pub(in crate::generate) struct Footprint {
 }
 
 impl Thing {
+    /// Half the extent of its ground along the wall, metres.
+    pub fn reach_along(&self) -> f64 {
+        let Half { along, out } = self.half;
+        (along - out).max(0.0) + out.min(along) * CORNERS
+    }
+
+    /// Half the extent of its ground out of the wall, metres.
+    pub fn reach_out(&self) -> f64 {
+        let Half { along, out } = self.half;
+        (out - along).max(0.0) + out.min(along) * CORNERS
+    }
+
+    /// The sides of its rectangle at a pose that faces out of the wall.
+    pub fn outline(&self, pose: Pose2) -> [Segment; 4] {
+        let Half { along, out } = self.half;
+        let corners = [(-out, -along), (out, -along), (out, along), (-out, along)]
+            .map(|(forward, left)| pose.transform(forward, left));
+        [0, 1, 2, 3].map(|i| Segment::new(corners[i], corners[(i + 1) % 4]))
+    }
+
     /// Its ground at a pose that faces out of the wall.
     pub fn footprint(&self, pose: Pose2) -> Footprint {
         let Half { along, out } = self.half;
-        // The rectangle's corners stand out of the capsule by a fifth of its radius at most; a
-        // margin covers half of that, and nothing of the things fills their corners.
-        let radius = out.min(along) * 1.1;
+        let radius = out.min(along) * CORNERS;
         let reach = (along - out).abs();
         let (forward, left) = if along >= out {
             (0.0, reach)
@@ -174,11 +196,13 @@ mod tests {
         for (i, kind) in AT_WALLS.iter().chain(&ON_PAVEMENTS).enumerate() {
             let thing = kind.draw(&mut stream(1, 1, i as u64));
             let ground = thing.footprint(Pose2::default());
-            let Half { along, out } = thing.half;
-            for (x, y) in [(out, 0.0), (0.0, along), (-out, 0.0), (0.0, -along)] {
-                let side = Pose2::default().transform(x, y);
-                let distance = ground.axis.distance_to_point(side);
+            for side in thing.outline(Pose2::default()) {
+                let distance = ground.axis.distance_to_point(side.start);
                 assert!(distance <= ground.radius, "{kind:?} {distance}");
+                let left = side.start.y.abs();
+                assert!(left <= thing.reach_along(), "{kind:?} {left}");
+                let out = side.start.x.abs();
+                assert!(out <= thing.reach_out(), "{kind:?} {out}");
             }
         }
     }

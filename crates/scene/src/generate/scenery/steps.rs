@@ -34,6 +34,8 @@ const RAMP_M: f64 = 8.0 * RISE_M;
 const APART_M: f64 = 2.4;
 /// Free ground before the lowest step, metres.
 const BEFORE_M: f64 = 1.3;
+/// The axis of the ground of steps ends this far from its ends, metres.
+const ENDS_M: f64 = 0.4;
 /// Steps as frequent as they are here; a ramp has the height of one.
 const FORMS: [Form; 8] = [
     Form::Steps(1),
@@ -84,14 +86,13 @@ impl Entry {
 
     /// The ground that it takes.
     pub fn footprint(&self) -> Footprint {
-        let radius = HALF_WIDTH_M;
         Footprint {
             axis: Segment::new(
-                self.door
-                    .transform((radius - 0.2).min(self.depth / 2.0), 0.0),
-                self.door.transform(self.depth - radius * 0.8, 0.0),
+                self.door.transform(ENDS_M, 0.0),
+                self.door.transform(self.depth - ENDS_M, 0.0),
             ),
-            radius,
+            // Up to the corners.
+            radius: libm::hypot(ENDS_M, HALF_WIDTH_M) + 1e-6,
         }
     }
 }
@@ -213,6 +214,20 @@ fn ramp(scene: &mut SceneBuilder, stone: Surface, entry: &Entry) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn footprints_hold_the_corners() {
+        for form in FORMS {
+            let entry = Entry::new(Pose2::new(3.0, 1.0, 0.7), form);
+            let Footprint { axis, radius } = entry.footprint();
+            for forward in [0.0, entry.depth] {
+                for left in [-HALF_WIDTH_M, HALF_WIDTH_M] {
+                    let corner = entry.door.transform(forward, left);
+                    assert!(axis.distance_to_point(corner) <= radius, "{form:?}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn three_steps_lift_a_door_by_three_rises() {

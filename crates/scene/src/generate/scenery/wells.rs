@@ -69,7 +69,8 @@ impl Well {
 
     /// The ground that it takes.
     pub fn footprint(&self) -> Footprint {
-        let radius = self.width / 2.0 + RIM_M;
+        // Up to the corners of the rim.
+        let radius = libm::hypot(self.width / 2.0 + RIM_M, RIM_M) + 1e-6;
         Footprint {
             axis: Segment::new(
                 self.pose.transform(self.width / 2.0, -self.half),
@@ -220,5 +221,9 @@ mod tests {
         let ground = well.footprint();
         let holds = |p: &MapPoint| ground.axis.distance_to_point(*p) < ground.radius;
         assert!(well.ring().iter().all(holds));
+        for left in [-0.8 - RIM_M, 0.8 + RIM_M] {
+            let corners = [0.0, 0.9 + RIM_M].map(|forward| well.pose.transform(forward, left));
+            assert!(corners.iter().all(holds));
+        }
     }
 }
