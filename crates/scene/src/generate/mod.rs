@@ -247,6 +247,7 @@ fn generate_within(
         clearance: &clearance,
         doorways: &doorways,
         ground: ground::terrain::rim_of(extent),
+        gates: &scenery::relief::gates(&map),
         features: &features,
         options: &options.scenery,
         has_sea: !sea.is_empty(),

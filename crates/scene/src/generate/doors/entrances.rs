@@ -452,7 +452,7 @@ fn has_room(door: &Doorway, offset: f64, others: &[Doorway]) -> bool {
 }
 
 /// Whether people may live or work in a building.
-fn is_home(building: &Building) -> bool {
+pub(crate) fn is_home(building: &Building) -> bool {
     const OTHER: [&str; 12] = [
         "garage",
         "garages",

@@ -12,7 +12,7 @@ use crate::generate::shapes::band;
 use crate::material::SemanticClass;
 
 /// Width of the paved ground around a building, metres.
-const WIDTH_M: f64 = 4.0;
+pub(crate) const WIDTH_M: f64 = 4.0;
 /// A building is in a town if this share of the ground around it is built over.
 const BUILT_SHARE: f64 = 0.4;
 /// Radius of the ground around it, metres.

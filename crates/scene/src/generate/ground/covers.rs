@@ -45,13 +45,26 @@ fn surface_of(tags: &Tags, palette: &Palette) -> Option<Surface> {
         Some(palette.water)
     } else if is_sandy(tags) {
         Some(palette.gravel)
-    } else if tags.is("landuse", "flowerbed") || tags.is("natural", "bare_ground") {
+    } else if is_earth(tags) {
         Some(palette.earth)
     } else if is_paved(tags) {
         Some(palette.paving)
     } else {
         None
     }
+}
+
+/// Whether areas with these tags get a ground cover.
+pub(crate) fn is_covered(tags: &Tags) -> bool {
+    tags.is("amenity", "parking")
+        || is_water(tags)
+        || is_sandy(tags)
+        || is_earth(tags)
+        || is_paved(tags)
+}
+
+fn is_earth(tags: &Tags) -> bool {
+    tags.is("landuse", "flowerbed") || tags.is("natural", "bare_ground")
 }
 
 fn is_sandy(tags: &Tags) -> bool {

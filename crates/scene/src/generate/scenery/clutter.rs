@@ -8,8 +8,10 @@ use rand_pcg::Pcg64Mcg;
 
 use super::kinds::{AT_WALLS, BESIDE_DOORS, Footprint, Kind, ON_PAVEMENTS, Thing};
 use super::passage::stays_open;
+use super::relief::{DOOR_LANE_M, gates, keeps_off_gates, leaves_door};
 use super::streams::{Purpose, place_number, stream};
 use super::things::{Piece, build as build_thing};
+use crate::generate::buildings::house::is_open_below;
 use crate::generate::buildings::walls::walls;
 use crate::generate::doors::doorway::Doorway;
 use crate::generate::inputs::Inputs;
@@ -37,12 +39,6 @@ const MOST_PLACES: usize = 200;
 const FROM_WALL_M: f64 = 0.08;
 /// Free ground around a thing, metres.
 const AROUND_M: f64 = 0.05;
-/// Half the width that stays free in front of every door, metres: twice the robot's.
-const DOOR_LANE_M: f64 = 0.5;
-/// Depth of that lane, metres.
-const DOOR_LANE_DEPTH_M: f64 = 3.5;
-/// Nothing stands as near to a gate, metres.
-const GATE_ROOM_M: f64 = 1.6;
 /// A plate nearer than this to the door's middle has no room for a plant before it, metres.
 const LEAST_OFFSET_M: f64 = 0.8;
 /// What no thing stands on or touches.
@@ -59,12 +55,16 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
         occupied,
         out,
         amount,
-        gates: gates(inputs),
+        gates: gates(inputs.map),
     };
     for door in &inputs.doorways {
         street.beside_door(door);
     }
     for building in &inputs.map.buildings {
+        // There are no walls at the ground, and robots drive through.
+        if is_open_below(&building.tags) {
+            continue;
+        }
         let element = element_number(building.element);
         for (number, wall) in (0_u64..).zip(walls(building)) {
             // No building has as many walls as the second factor.
@@ -74,11 +74,6 @@ pub(crate) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) 
     for road in &inputs.map.roads {
         street.on_pavements(road);
     }
-}
-
-fn gates(inputs: &Inputs) -> Vec<MapPoint> {
-    let barriers = inputs.map.barriers.iter();
-    barriers.flat_map(|barrier| barrier.gates.clone()).collect()
 }
 
 struct Street<'a, 'b> {
@@ -193,7 +188,7 @@ impl Street<'_, '_> {
         self.occupied.is_free(axis, radius + AROUND_M, kinds & !BUILDING)
             // Car parks are full of cars that come and go.
             && self.inputs.clearance.areas_at(p, PAVED) == 0
-            && self.gates.iter().all(|gate| axis.distance_to_point(*gate) > radius + GATE_ROOM_M)
+            && keeps_off_gates(&self.gates, axis, radius)
             && self.leaves_doors(axis, radius)
     }
 
@@ -205,11 +200,8 @@ impl Street<'_, '_> {
 
     /// Whether a robot can stand before every door.
     fn leaves_doors(&self, axis: Segment, radius: f64) -> bool {
-        self.inputs.doorways.iter().all(|door| {
-            let front = door.position.offset(door.facing, DOOR_LANE_DEPTH_M);
-            let lane = Segment::new(door.position, front);
-            axis.distance_to(lane) > radius + DOOR_LANE_M - 1e-9
-        })
+        let mut doors = self.inputs.doorways.iter();
+        doors.all(|door| leaves_door(door, axis, radius))
     }
 }
 

@@ -2,7 +2,7 @@
 //! steps, and the ground its holes.
 
 use openbench_core::{MapPoint, Pose2};
-use openbench_geometry::Bounds;
+use openbench_geometry::{Bounds, Segment};
 use openbench_osm::OsmMap;
 
 use super::kinds::Footprint;
@@ -22,6 +22,8 @@ pub(in crate::generate) struct Site<'a> {
     pub doorways: &'a [Doorway],
     /// What the ground covers.
     pub ground: Bounds,
+    /// Gates in barriers.
+    pub gates: &'a [MapPoint],
     /// Where the map has lamps, benches and trees.
     pub features: &'a [Feature],
     pub options: &'a SceneryOptions,
@@ -91,6 +93,33 @@ impl Relief {
     pub fn holes(&self) -> Vec<Vec<MapPoint>> {
         self.wells.iter().map(Well::hole).collect()
     }
+}
+
+/// Nothing stands as near to a gate, metres.
+const GATE_ROOM_M: f64 = 1.6;
+/// Half the width that stays free in front of every door, metres: twice the robot's.
+pub(super) const DOOR_LANE_M: f64 = 0.5;
+/// Depth of that lane, metres.
+const DOOR_LANE_DEPTH_M: f64 = 3.5;
+
+/// The gates of a map.
+pub(in crate::generate) fn gates(map: &OsmMap) -> Vec<MapPoint> {
+    let barriers = map.barriers.iter();
+    barriers.flat_map(|barrier| barrier.gates.clone()).collect()
+}
+
+/// Whether what lies within `radius` metres of an axis leaves all gates open.
+pub(super) fn keeps_off_gates(gates: &[MapPoint], axis: Segment, radius: f64) -> bool {
+    let mut gates = gates.iter();
+    gates.all(|gate| axis.distance_to_point(*gate) > radius + GATE_ROOM_M)
+}
+
+/// Whether a robot can stand before a door that something lies beside, within `radius` metres of an
+/// axis.
+pub(super) fn leaves_door(door: &Doorway, axis: Segment, radius: f64) -> bool {
+    let front = door.position.offset(door.facing, DOOR_LANE_DEPTH_M);
+    let lane = Segment::new(door.position, front);
+    axis.distance_to(lane) > radius + DOOR_LANE_M - 1e-9
 }
 
 /// A pose with another origin in its frame: so far forward and to the left, metres.

@@ -6,7 +6,7 @@ use openbench_geometry::Segment;
 
 use super::kinds::Footprint;
 use super::passage::stays_open;
-use super::relief::{Site, shifted};
+use super::relief::{Site, keeps_off_gates, leaves_door, shifted};
 use super::streams::{Purpose, place_number, stream};
 use crate::generate::doors::doorway::Doorway;
 use crate::generate::inputs::Inputs;
@@ -138,7 +138,14 @@ fn has_room(site: &Site, door: &Doorway, entry: &Entry) -> bool {
             .transform(entry.depth.max(HALF_WIDTH_M + 0.1), 0.0),
     );
     let in_the_way = ROAD | DRIVEWAY | START;
+    let Footprint { axis, radius } = entry.footprint();
+    let mut others = site
+        .doorways
+        .iter()
+        .filter(|other| other.position != door.position);
     alone
+        && keeps_off_gates(site.gates, axis, radius)
+        && others.all(|other| leaves_door(other, axis, radius))
         && site
             .clearance
             .is_free(before, HALF_WIDTH_M, BUILDING | BARRIER | WATER)
@@ -148,9 +155,7 @@ fn has_room(site: &Site, door: &Doorway, entry: &Entry) -> bool {
 /// Builds the steps and ramps.
 pub(crate) fn build(inputs: &Inputs, out: &mut Output) {
     for entry in &inputs.relief.entries {
-        if out.is_full() {
-            break;
-        }
+        // Of a full world too: its doors are lifted all the same.
         out.scene.begin_object("steps", SemanticClass::Pavement);
         let stone = inputs.palette.doorstep;
         match entry.form {

@@ -2,14 +2,18 @@
 //! have a low rim; the others have none.
 
 use openbench_core::{MapPoint, Pose2};
-use openbench_geometry::Segment;
+use openbench_geometry::{Segment, sides};
+use openbench_osm::Building;
 
 use super::kinds::Footprint;
 use super::passage::stays_open;
-use super::relief::{Site, shifted};
+use super::relief::{Site, keeps_off_gates, shifted};
 use super::streams::{Purpose, stream};
+use crate::generate::buildings::house::is_open_below;
 use crate::generate::buildings::walls::walls;
-use crate::generate::ground::aprons::is_in_town;
+use crate::generate::doors::entrances::is_home;
+use crate::generate::ground::aprons::{WIDTH_M, is_in_town};
+use crate::generate::ground::covers::is_covered;
 use crate::generate::ground::pitted::{frame_of, lies_in};
 use crate::generate::inputs::Inputs;
 use crate::generate::layout::clearance::{
@@ -106,7 +110,12 @@ pub(super) fn plan(site: &Site, occupied: &mut Occupied) -> Vec<Well> {
         };
         let along = wall.length() * share;
         let is_within = along.min(wall.length() - along) > half + FROM_CORNER_M;
-        if !is_wanted || !is_within || wells.len() >= MOST || !has_room(site, &well) {
+        if !is_wanted
+            || !is_within
+            || !is_house(building)
+            || wells.len() >= MOST
+            || !has_room(site, &well)
+        {
             continue;
         }
         let ground = well.footprint();
@@ -118,6 +127,11 @@ pub(super) fn plan(site: &Site, occupied: &mut Occupied) -> Vec<Well> {
         }
     }
     wells
+}
+
+/// Whether a building may have a well: it stands on the ground, and is no shed or garage.
+fn is_house(building: &Building) -> bool {
+    is_home(building) && !is_open_below(&building.tags)
 }
 
 /// Whether the ground can be cut out at a well: its frame touches no other and is in the ground.
@@ -153,7 +167,32 @@ fn has_room(site: &Site, well: &Well) -> bool {
         && !has_features
         && site.clearance.is_free(axis, radius + AROUND_M, in_the_way)
         && site.clearance.is_free(outer, well.width * 0.8, BUILDING)
-        && !is_in_town(site.map, middle)
+        && !is_paved_around(site, axis, radius)
+        && !is_covered_at(site, well)
+        && keeps_off_gates(site.gates, axis, radius)
+}
+
+/// Whether the paved ground around a building of a town reaches the ground of a well.
+fn is_paved_around(site: &Site, axis: Segment, radius: f64) -> bool {
+    let reach = WIDTH_M + axis.length() / 2.0 + radius;
+    let near = site.map.buildings_within(axis.middle(), reach);
+    let mut middles = near
+        .into_iter()
+        .map(|i| site.map.buildings[i].polygon.centroid());
+    middles.any(|middle| is_in_town(site.map, middle))
+}
+
+/// Whether a side of a well lies in an area that covers the ground.
+fn is_covered_at(site: &Site, well: &Well) -> bool {
+    let ring = well.ring();
+    let frame = frame_of(&ring);
+    let covers = site.map.areas.iter().filter(|area| is_covered(&area.tags));
+    let mut near = covers.filter(|area| area.polygon.bounds().meets(frame, 0.0));
+    near.any(|area| {
+        let polygon = &area.polygon;
+        ring.iter().any(|corner| polygon.contains(*corner))
+            || sides(&ring).any(|side| polygon.sides().any(|edge| edge.distance_to(side) < RIM_M))
+    })
 }
 
 /// Builds the walls, floors and rims of the wells.
