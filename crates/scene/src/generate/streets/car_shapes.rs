@@ -99,8 +99,9 @@ static BOX_VAN: Shape = Shape {
 };
 static LORRY: Shape = Shape {
     outline: &[
-        p(-2.88, 0.46),
-        p(2.82, 0.46),
+        // Skirts: without them a LiDAR of a robot looks below it.
+        p(-2.88, 0.20),
+        p(2.82, 0.20),
         p(2.90, 0.80),
         p(2.86, 1.30),
         p(2.62, 2.10),
@@ -177,6 +178,7 @@ pub(super) fn at_place(inputs: &Inputs, place: MapPoint) -> Option<OtherShape> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::car::SidePoint;
     use super::*;
 
     #[test]
@@ -190,6 +192,9 @@ mod tests {
             for point in shape.outline {
                 assert!(point.forward.abs() <= half, "{point:?}");
             }
+            let lowest = |up: f64, point: &SidePoint| up.min(point.up);
+            let foot = shape.outline.iter().fold(f64::INFINITY, lowest);
+            assert!(foot < 0.4, "{foot}");
             assert!(shape.axle + 0.31 < half);
             assert!(shape.glass.iter().all(|i| *i < shape.outline.len()));
         }
