@@ -171,7 +171,9 @@ fn missing_ground(
 ) -> impl Iterator<Item = ScanPoint> {
     // The nearest and the farthest are a few decimetres apart.
     let steps = ((to - from) / PIT_STEP_M) as usize;
-    (0..=steps).map(move |i| {
+    // A point straight below the sensor has no line to it.
+    let count = if to > 0.0 { steps + 1 } else { 0 };
+    (0..count).map(move |i| {
         let share = (from + i as f64 * PIT_STEP_M) / to;
         let along = |a: f64, b: f64| a + (b - a) * share;
         let at = MapPoint::new(along(center.x, point.x), along(center.y, point.y));
@@ -228,6 +230,13 @@ mod tests {
         assert!((first.at.y - 2.875).abs() < 1e-9 && first.height == PIT_TOP_M);
         let nearer = |p: &ScanPoint| p.at.y < 4.0 + 1e-9;
         assert!(pit.obstacles.iter().all(nearer));
+    }
+
+    #[test]
+    fn a_point_straight_below_the_sensor_shows_no_missing_ground() {
+        let below = ring(&[[1.0, 1.0, -0.5]]);
+        assert!(below.obstacles.is_empty());
+        assert!(below.beams.iter().all(|beam| beam.reach == 0.0));
     }
 
     #[test]
