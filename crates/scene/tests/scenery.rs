@@ -193,10 +193,7 @@ fn the_ground_lies_once_and_every_pit_is_open() {
             let bounds = bounds.reduce(Bounds::union).unwrap();
             let whole = signed_area(&bounds.corners());
             // Corners are rounded to 32 bits.
-            assert!(
-                (whole - missing - area).abs() < 1e-4 * whole,
-                "{name}, {seed}"
-            );
+            assert!((whole - missing - area).abs() < 0.5, "{name}, {seed}");
         }
     }
     assert!(pits > 40, "{pits}");
