@@ -11,6 +11,9 @@ const NEIGHBOUR_M: f64 = 25.0;
 /// Letters behind a number that are tried.
 const LETTERS: [char; 6] = ['a', 'b', 'c', 'd', 'e', 'f'];
 
+/// Numbers after that of a building that are tried.
+const MOST_FOLLOWING: u32 = 500;
+
 /// A building beside a street.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Beside {
@@ -66,7 +69,9 @@ impl StreetSides {
         };
         for (building, number) in number_street(&side(true), &side(false), draws) {
             let lettered = digits(&number).into_iter().flat_map(with_letters);
-            given.first_free(building, std::iter::once(number).chain(lettered));
+            let following = following(&number);
+            let own = std::iter::once(number);
+            given.first_free(building, own.chain(lettered).chain(following));
         }
         given.numbered
     }
@@ -113,6 +118,13 @@ fn with_letters(number: String) -> impl Iterator<Item = String> {
     LETTERS
         .into_iter()
         .map(move |letter| format!("{number}{letter}"))
+}
+
+/// The next numbers on the same side of a street with odd and even sides.
+fn following(number: &str) -> impl Iterator<Item = String> + use<> {
+    let first = digits(number).and_then(|digits| digits.parse::<u32>().ok());
+    let after = move |steps: u32| Some((first?.checked_add(2 * steps)?).to_string());
+    (1..MOST_FOLLOWING).map_while(after)
 }
 
 #[cfg(test)]
