@@ -8,8 +8,9 @@
 //!
 //! What work costs is a table, not a clock: runs repeat on every machine. Agents in other programs
 //! do not say what work they did; on request they are charged the wall time that they took, and
-//! such runs do not repeat. They get what is newest when they are free, as a program that subscribes
-//! to sensors does: the samples of IMU and wheels that came meanwhile, the latest scan, the camera.
+//! such runs do not repeat. They get what is newest when they are free, as a program that
+//! subscribes to sensors does: the samples of IMU and wheels that came meanwhile, the latest scan,
+//! the camera.
 
 use std::collections::VecDeque;
 use std::time::Duration;

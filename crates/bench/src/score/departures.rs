@@ -5,8 +5,8 @@ use crate::score::results::{ComputingSum, Results};
 use crate::suite::{GoalKind, TargetSource};
 
 /// Of an agent that is charged for its work, and reports none.
-const UNCHARGED: &str = "the agent's computing was not charged: it reports no work (agents in Python \
-    and in other programs are charged by the clock with --realtime)";
+const UNCHARGED: &str = "the agent's computing was not charged: it reports no work (agents in \
+    Python and in other programs are charged by the clock with --realtime)";
 
 /// The departures of a run, a line each; empty for a run with all defaults.
 pub fn departures(results: &Results) -> Vec<String> {

@@ -73,7 +73,8 @@ use layout::occupied::Occupied;
 use layout::{features, keep_free, start};
 use materials::palette::Palette;
 use output::{Limits, Output};
-use scenery::relief::{Relief, Site};
+use scenery::planned;
+use scenery::site::Site;
 use water::{coast, quays};
 
 /// Above so many buildings windows lose their sills and hedges their dents: a town has a hundred
@@ -242,12 +243,12 @@ fn generate_within(
     };
     keep_free::add_start(&mut clearance, start.point());
     let features = features::features(data, &map);
-    let relief = Relief::plan(&Site {
+    let relief = planned::plan(&Site {
         map: &map,
         clearance: &clearance,
         doorways: &doorways,
         ground: ground::terrain::rim_of(extent),
-        gates: &scenery::relief::gates(&map),
+        gates: &scenery::site::gates(&map),
         features: &features,
         options: &options.scenery,
         has_sea: !sea.is_empty(),

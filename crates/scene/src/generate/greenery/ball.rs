@@ -12,7 +12,7 @@ use crate::scene::{Corner, Layer, SceneBuilder};
 
 /// A ball that is stretched upwards, metres.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::generate) struct Ball {
+pub(crate) struct Ball {
     pub center: Point3<f64>,
     pub radius: f64,
     pub half_height: f64,
@@ -25,7 +25,7 @@ struct Sphere {
 }
 
 /// Builds a dented ball, visible only: an icosahedron, its faces divided in four `divisions` times.
-pub(in crate::generate) fn ball(
+pub(crate) fn ball(
     scene: &mut SceneBuilder,
     surface: Surface,
     Ball {

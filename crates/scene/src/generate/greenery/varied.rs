@@ -1,5 +1,5 @@
-//! Trees of more forms, where streets differ: columns, cones, several stems, umbrellas, pollards and
-//! trees that have just been planted.
+//! Trees of more forms, where streets differ: columns, cones, several stems, umbrellas, pollards
+//! and trees that have just been planted.
 
 use std::f64::consts::TAU;
 

@@ -8,7 +8,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::kinds::{AT_WALLS, BESIDE_DOORS, Footprint, Kind, ON_PAVEMENTS, Thing};
 use super::passage::stays_open;
-use super::relief::{DOOR_LANE_M, gates, keeps_off_gates, leaves_door};
+use super::site::{DOOR_LANE_M, gates, keeps_off_gates, leaves_door};
 use super::streams::{Purpose, place_number, stream};
 use super::things::{Piece, build as build_thing};
 use crate::generate::buildings::house::is_open_below;

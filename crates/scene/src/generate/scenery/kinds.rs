@@ -139,7 +139,7 @@ impl Kind {
 
 /// The ground of a thing: what lies within `radius` metres of `axis`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::generate) struct Footprint {
+pub(crate) struct Footprint {
     pub axis: Segment,
     pub radius: f64,
 }

@@ -14,7 +14,9 @@
 //! | `kinds` | kinds of things, with their sizes |
 //! | `things` | what they look like |
 //! | `bars` | bars in any direction, and wheels |
+//! | `site` | what things are placed in |
 //! | `relief` | steps, ramps and wells, planned before anything is built |
+//! | `planned` | that plan |
 //! | `kerbs` | raised kerbs between dropped ones |
 //! | `steps` | steps and ramps before doors |
 //! | `wells` | light wells: places where the ground is missing |
@@ -25,7 +27,9 @@ pub(super) mod grounds;
 pub(super) mod kerbs;
 mod kinds;
 mod passage;
+pub(super) mod planned;
 pub(super) mod relief;
+pub(super) mod site;
 pub(super) mod steps;
 pub(super) mod streams;
 mod things;

@@ -2,38 +2,31 @@
 //! steps, and the ground its holes.
 
 use openbench_core::{MapPoint, Pose2};
-use openbench_geometry::{Bounds, Segment};
-use openbench_osm::OsmMap;
+use openbench_geometry::Segment;
 
 use super::kinds::Footprint;
-use super::steps::{self, Entry};
-use super::wells::{self, Well};
 use crate::generate::doors::doorway::Doorway;
-use crate::generate::ground::pitted::pieces;
 use crate::generate::layout::clearance::{BARRIER, Clearance};
-use crate::generate::layout::features::Feature;
 use crate::generate::layout::occupied::Occupied;
-use crate::generate::options::SceneryOptions;
 
-/// What relief is planned from.
-pub(in crate::generate) struct Site<'a> {
-    pub map: &'a OsmMap,
-    pub clearance: &'a Clearance,
-    pub doorways: &'a [Doorway],
-    /// What the ground covers.
-    pub ground: Bounds,
-    /// Gates in barriers.
-    pub gates: &'a [MapPoint],
-    /// Where the map has lamps, benches and trees.
-    pub features: &'a [Feature],
-    pub options: &'a SceneryOptions,
-    /// Whether the sea is cut out of the ground: then it has no other holes.
-    pub has_sea: bool,
-}
+/// Height of a step, metres.
+pub(super) const RISE_M: f64 = 0.15;
+/// Depth of a step, metres.
+pub(super) const TREAD_M: f64 = 0.3;
+/// Depth of the platform before a door, metres.
+pub(super) const PLATFORM_M: f64 = 1.0;
+/// Half the width of steps and ramps, metres.
+pub(super) const HALF_WIDTH_M: f64 = 0.75;
+/// Length of a ramp: one in eight, metres.
+pub(super) const RAMP_M: f64 = 8.0 * RISE_M;
+/// The axis of the ground of steps ends this far from its ends, metres.
+const ENDS_M: f64 = 0.4;
+/// Thickness of a rim, metres.
+pub(super) const RIM_M: f64 = 0.12;
 
 /// Steps, ramps and light wells of a world.
 #[derive(Debug, Default)]
-pub(in crate::generate) struct Relief {
+pub(crate) struct Relief {
     /// Entries that are not level.
     pub entries: Vec<Entry>,
     pub wells: Vec<Well>,
@@ -42,25 +35,6 @@ pub(in crate::generate) struct Relief {
 }
 
 impl Relief {
-    /// Draws the relief of a site. Each thing leaves the ways open that those before it left.
-    pub fn plan(site: &Site) -> Self {
-        if site.options.amounts.relief <= 0.0 {
-            return Self::default();
-        }
-        let mut occupied = Occupied::new(site.clearance);
-        let entries = steps::plan(site, &mut occupied);
-        let wells = wells::plan(site, &mut occupied);
-        let holes: Vec<Vec<MapPoint>> = wells.iter().map(Well::hole).collect();
-        // Without a ground that adds up there are no wells: neither pits nor counts may have them.
-        let ground = pieces(site.ground, &holes).filter(|_| !holes.is_empty());
-        let wells = if ground.is_some() { wells } else { Vec::new() };
-        Self {
-            entries,
-            wells,
-            ground: ground.unwrap_or_default(),
-        }
-    }
-
     /// Height of a door above the ground, metres.
     pub fn lift(&self, door: &Doorway) -> f64 {
         let entry = self
@@ -95,35 +69,97 @@ impl Relief {
     }
 }
 
-/// Nothing stands as near to a gate, metres.
-const GATE_ROOM_M: f64 = 1.6;
-/// Half the width that stays free in front of every door, metres: twice the robot's.
-pub(super) const DOOR_LANE_M: f64 = 0.5;
-/// Depth of that lane, metres.
-const DOOR_LANE_DEPTH_M: f64 = 3.5;
-
-/// The gates of a map.
-pub(in crate::generate) fn gates(map: &OsmMap) -> Vec<MapPoint> {
-    let barriers = map.barriers.iter();
-    barriers.flat_map(|barrier| barrier.gates.clone()).collect()
+/// What leads up to a door.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    Steps(u8),
+    Ramp,
 }
 
-/// Whether what lies within `radius` metres of an axis leaves all gates open.
-pub(super) fn keeps_off_gates(gates: &[MapPoint], axis: Segment, radius: f64) -> bool {
-    let mut gates = gates.iter();
-    gates.all(|gate| axis.distance_to_point(*gate) > radius + GATE_ROOM_M)
+/// A door with steps or a ramp.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Entry {
+    /// Faces out of the wall.
+    pub door: Pose2,
+    /// Height of the door above the ground, metres.
+    pub lift: f64,
+    pub(super) form: Form,
+    /// Metres out of the wall.
+    pub(super) depth: f64,
 }
 
-/// Whether a robot can stand before a door that something lies beside, within `radius` metres of an
-/// axis.
-pub(super) fn leaves_door(door: &Doorway, axis: Segment, radius: f64) -> bool {
-    let front = door.position.offset(door.facing, DOOR_LANE_DEPTH_M);
-    let lane = Segment::new(door.position, front);
-    axis.distance_to(lane) > radius + DOOR_LANE_M - 1e-9
+impl Entry {
+    pub(super) fn new(door: Pose2, form: Form) -> Self {
+        let (lift, depth) = match form {
+            Form::Steps(count) => {
+                let count = f64::from(count);
+                (RISE_M * count, PLATFORM_M + TREAD_M * (count - 1.0))
+            }
+            Form::Ramp => (RISE_M, PLATFORM_M + RAMP_M),
+        };
+        Self {
+            door,
+            lift,
+            form,
+            depth,
+        }
+    }
+
+    /// The ground that it takes.
+    pub fn footprint(&self) -> Footprint {
+        Footprint {
+            axis: Segment::new(
+                self.door.transform(ENDS_M, 0.0),
+                self.door.transform(self.depth - ENDS_M, 0.0),
+            ),
+            // Up to the corners.
+            radius: libm::hypot(ENDS_M, HALF_WIDTH_M) + 1e-6,
+        }
+    }
 }
 
-/// A pose with another origin in its frame: so far forward and to the left, metres.
-pub(super) fn shifted(pose: Pose2, forward: f64, left: f64) -> Pose2 {
-    let p = pose.transform(forward, left);
-    Pose2::new(p.x, p.y, pose.yaw)
+/// A place without ground at a wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Well {
+    /// At the middle of its side at the wall, facing out of that.
+    pub(super) pose: Pose2,
+    /// Half its length along the wall, metres.
+    pub(super) half: f64,
+    /// Its width out of the wall, metres.
+    pub(super) width: f64,
+    /// Metres.
+    pub(super) depth: f64,
+    /// Height of its rim, metres; 0 without one.
+    pub(super) rim: f64,
+}
+
+impl Well {
+    /// Its corners, counter-clockwise.
+    pub fn ring(&self) -> [MapPoint; 4] {
+        let point = |forward, left| self.pose.transform(forward, left);
+        [
+            point(0.0, -self.half),
+            point(self.width, -self.half),
+            point(self.width, self.half),
+            point(0.0, self.half),
+        ]
+    }
+
+    /// Its outline as a hole in the ground: clockwise.
+    pub fn hole(&self) -> Vec<MapPoint> {
+        self.ring().into_iter().rev().collect()
+    }
+
+    /// The ground that it takes.
+    pub fn footprint(&self) -> Footprint {
+        // Up to the corners of the rim.
+        let radius = libm::hypot(self.width / 2.0 + RIM_M, RIM_M) + 1e-6;
+        Footprint {
+            axis: Segment::new(
+                self.pose.transform(self.width / 2.0, -self.half),
+                self.pose.transform(self.width / 2.0, self.half),
+            ),
+            radius,
+        }
+    }
 }

@@ -1,12 +1,12 @@
 //! One to three steps, or a ramp, before some doors. They begin at the door, so the ground before
 //! them stays free, and a robot delivers at their foot.
 
-use openbench_core::Pose2;
 use openbench_geometry::Segment;
 
 use super::kinds::Footprint;
 use super::passage::stays_open;
-use super::relief::{Site, keeps_off_gates, leaves_door, shifted};
+use super::relief::{Entry, Form, HALF_WIDTH_M, PLATFORM_M, RAMP_M, RISE_M, TREAD_M};
+use super::site::{Site, keeps_off_gates, leaves_door, shifted};
 use super::streams::{Purpose, place_number, stream};
 use crate::generate::doors::doorway::Doorway;
 use crate::generate::inputs::Inputs;
@@ -20,22 +20,10 @@ use crate::scene::{Layer, SceneBuilder};
 
 /// Share of the doors with steps or a ramp where there is most relief.
 const SHARE: f64 = 0.6;
-/// Height of a step, metres.
-const RISE_M: f64 = 0.15;
-/// Depth of a step, metres.
-const TREAD_M: f64 = 0.3;
-/// Depth of the platform before a door, metres.
-const PLATFORM_M: f64 = 1.0;
-/// Half the width of steps and ramps, metres.
-const HALF_WIDTH_M: f64 = 0.75;
-/// Length of a ramp: one in eight, metres.
-const RAMP_M: f64 = 8.0 * RISE_M;
 /// Doors nearer to each other than this have no steps, metres.
 const APART_M: f64 = 2.4;
 /// Free ground before the lowest step, metres.
 const BEFORE_M: f64 = 1.3;
-/// The axis of the ground of steps ends this far from its ends, metres.
-const ENDS_M: f64 = 0.4;
 /// Steps as frequent as they are here; a ramp has the height of one.
 const FORMS: [Form; 8] = [
     Form::Steps(1),
@@ -47,55 +35,6 @@ const FORMS: [Form; 8] = [
     Form::Ramp,
     Form::Steps(2),
 ];
-
-/// What leads up to a door.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Form {
-    Steps(u8),
-    Ramp,
-}
-
-/// A door with steps or a ramp.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::generate) struct Entry {
-    /// Faces out of the wall.
-    pub door: Pose2,
-    /// Height of the door above the ground, metres.
-    pub lift: f64,
-    form: Form,
-    /// Metres out of the wall.
-    depth: f64,
-}
-
-impl Entry {
-    fn new(door: Pose2, form: Form) -> Self {
-        let (lift, depth) = match form {
-            Form::Steps(count) => {
-                let count = f64::from(count);
-                (RISE_M * count, PLATFORM_M + TREAD_M * (count - 1.0))
-            }
-            Form::Ramp => (RISE_M, PLATFORM_M + RAMP_M),
-        };
-        Self {
-            door,
-            lift,
-            form,
-            depth,
-        }
-    }
-
-    /// The ground that it takes.
-    pub fn footprint(&self) -> Footprint {
-        Footprint {
-            axis: Segment::new(
-                self.door.transform(ENDS_M, 0.0),
-                self.door.transform(self.depth - ENDS_M, 0.0),
-            ),
-            // Up to the corners.
-            radius: libm::hypot(ENDS_M, HALF_WIDTH_M) + 1e-6,
-        }
-    }
-}
 
 /// Draws which doors have steps.
 pub(super) fn plan(site: &Site, occupied: &mut Occupied) -> Vec<Entry> {
@@ -218,6 +157,8 @@ fn ramp(scene: &mut SceneBuilder, stone: Surface, entry: &Entry) {
 
 #[cfg(test)]
 mod tests {
+    use openbench_core::Pose2;
+
     use super::*;
 
     #[test]

@@ -8,7 +8,7 @@ use rand_pcg::Pcg64Mcg;
 /// The purpose of a stream. The numbers begin above those of plates.
 #[derive(Debug, Clone, Copy)]
 #[repr(u64)]
-pub(in crate::generate) enum Purpose {
+pub(crate) enum Purpose {
     Lot = 201,
     LotCorner,
     Tree,
@@ -22,11 +22,11 @@ pub(in crate::generate) enum Purpose {
 }
 
 /// The stream of one element for one purpose.
-pub(in crate::generate) fn stream(seed: u64, purpose: Purpose, element: u64) -> Pcg64Mcg {
+pub(crate) fn stream(seed: u64, purpose: Purpose, element: u64) -> Pcg64Mcg {
     draws::stream(seed, purpose as u64, element)
 }
 
 /// A number for a place: other things do not change it.
-pub(in crate::generate) fn place_number(place: MapPoint) -> u64 {
+pub(crate) fn place_number(place: MapPoint) -> u64 {
     place.x.to_bits() ^ place.y.to_bits().rotate_left(32)
 }

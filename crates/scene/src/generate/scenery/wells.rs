@@ -1,13 +1,13 @@
 //! Light wells and basement areas beside houses: places where the ground is missing. Half of them
 //! have a low rim; the others have none.
 
-use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::{Segment, sides};
 use openbench_osm::Building;
 
 use super::kinds::Footprint;
 use super::passage::stays_open;
-use super::relief::{Site, keeps_off_gates, shifted};
+use super::relief::{RIM_M, Well};
+use super::site::{Site, keeps_off_gates, shifted};
 use super::streams::{Purpose, stream};
 use crate::generate::buildings::house::is_open_below;
 use crate::generate::buildings::walls::walls;
@@ -36,55 +36,6 @@ const FROM_WALL_M: f64 = 0.03;
 const FROM_CORNER_M: f64 = 0.5;
 /// Free ground around a well, metres.
 const AROUND_M: f64 = 0.5;
-/// Thickness of a rim, metres.
-const RIM_M: f64 = 0.12;
-
-/// A place without ground at a wall.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::generate) struct Well {
-    /// At the middle of its side at the wall, facing out of that.
-    pose: Pose2,
-    /// Half its length along the wall, metres.
-    half: f64,
-    /// Its width out of the wall, metres.
-    width: f64,
-    /// Metres.
-    depth: f64,
-    /// Height of its rim, metres; 0 without one.
-    rim: f64,
-}
-
-impl Well {
-    /// Its corners, counter-clockwise.
-    pub fn ring(&self) -> [MapPoint; 4] {
-        let point = |forward, left| self.pose.transform(forward, left);
-        [
-            point(0.0, -self.half),
-            point(self.width, -self.half),
-            point(self.width, self.half),
-            point(0.0, self.half),
-        ]
-    }
-
-    /// Its outline as a hole in the ground: clockwise.
-    pub fn hole(&self) -> Vec<MapPoint> {
-        self.ring().into_iter().rev().collect()
-    }
-
-    /// The ground that it takes.
-    pub fn footprint(&self) -> Footprint {
-        // Up to the corners of the rim.
-        let radius = libm::hypot(self.width / 2.0 + RIM_M, RIM_M) + 1e-6;
-        Footprint {
-            axis: Segment::new(
-                self.pose.transform(self.width / 2.0, -self.half),
-                self.pose.transform(self.width / 2.0, self.half),
-            ),
-            radius,
-        }
-    }
-}
-
 /// Draws which houses have a well.
 pub(super) fn plan(site: &Site, occupied: &mut Occupied) -> Vec<Well> {
     let mut wells: Vec<Well> = Vec::new();
@@ -244,6 +195,8 @@ fn rim(inputs: &Inputs, out: &mut Output, well: &Well) {
 #[cfg(test)]
 mod tests {
     use openbench_geometry::signed_area;
+
+    use openbench_core::{MapPoint, Pose2};
 
     use super::*;
 

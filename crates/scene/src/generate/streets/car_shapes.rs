@@ -1,5 +1,5 @@
-//! More shapes of parked cars, where streets differ: estates, small cars, off-roaders, pick-ups, box
-//! vans and lorries.
+//! More shapes of parked cars, where streets differ: estates, small cars, off-roaders, pick-ups,
+//! box vans and lorries.
 
 use openbench_core::MapPoint;
 
