@@ -1,8 +1,8 @@
 //! Raised kerbs between carriageways and their pavements, with dropped kerbs at junctions,
 //! crossings and driveways, before doors, and at least every twelve metres.
 //!
-//! A stretch is raised only where the pavement beside it is free, and where one can cross at both
-//! of its ends: whoever could cross it before goes around it.
+//! A stretch is raised only where the pavement beside it is free, and where a robot can cross at
+//! both of its ends. It then drives around the stretch instead of across it.
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::{Segment, segments};
