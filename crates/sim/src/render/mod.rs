@@ -39,7 +39,7 @@ use crate::rounding::whole;
 use block::{BLOCK, Block, Corner, SIDE, pixel};
 use eye::Eye;
 use photo::Taking;
-use shade::{Look, Shader};
+use shade::{Look, Shader, Surfaces};
 use shadows::{Cast, sunlit};
 
 pub(crate) use develop::{Development, Movement, develop};
@@ -216,6 +216,7 @@ impl Kernel for Picture<'_> {
         };
         // Colour values grow with the square root of the light.
         let gain = view.exposure.max(0.0).sqrt();
+        let mut surfaces = Surfaces::NONE;
         for corner in Corner::covering(view.size) {
             let block = eye.block(corner, view.range);
             let hits = seen.cast_block(&block.beam, &block.packets);
@@ -231,7 +232,8 @@ impl Kernel for Picture<'_> {
             } else {
                 [1.0; BLOCK]
             };
-            let colors = shader.colors(seen, look, &block.directions, &hits, &sunlit);
+            let colors =
+                shader.colors(&mut surfaces, seen, look, &block.directions, &hits, &sunlit);
             put(rgb, corner, view.size, &colors, gain);
         }
     }

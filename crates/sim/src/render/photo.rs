@@ -11,7 +11,7 @@ use super::illumination::{Illumination, Lamp};
 use super::lens::Lens;
 use super::planes::LightPlanes;
 use super::radiance::{Lit, Sight};
-use super::shade::{Look, Shader};
+use super::shade::{Look, Shader, Surfaces};
 
 /// Where the camera was at an instant.
 #[derive(Debug, Clone, Copy)]
@@ -64,6 +64,7 @@ impl Kernel for Taking<'_> {
                 haze: shot.range,
             },
         };
+        let mut surfaces = Surfaces::NONE;
         let rows = (planes.size.height as usize).div_ceil(SIDE);
         for row in 0..rows {
             let (above, below) = (gaze(shot, row, rows), gaze(shot, row + 1, rows));
@@ -77,7 +78,7 @@ impl Kernel for Taking<'_> {
                     hits: &hits,
                     lag: above.lag,
                 };
-                let light = shader.radiance(lit, sight);
+                let light = shader.radiance(&mut surfaces, lit, sight);
                 put(planes, [column, row], &light);
                 planes.nearness[row * planes.columns + column] = nearness(&hits);
             }

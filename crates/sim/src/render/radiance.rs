@@ -38,17 +38,23 @@ pub(super) struct Sight<'a> {
 }
 
 impl Shader {
-    /// Light of each pixel, by channel; 1 is that of white paper under the noon's sun.
+    /// Light of each pixel, by channel; 1 is that of white paper under the noon's sun. `surfaces`
+    /// are room to work in.
     #[inline(always)]
-    pub(super) fn radiance(&self, lit: Lit<'_>, sight: Sight<'_>) -> [Block; 3] {
+    pub(super) fn radiance(
+        &self,
+        surfaces: &mut Surfaces,
+        lit: Lit<'_>,
+        sight: Sight<'_>,
+    ) -> [Block; 3] {
         let [dx, dy, dz] = sight.directions;
         let mut length = [0.0; BLOCK];
         for i in 0..BLOCK {
             length[i] = (dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i]).sqrt();
         }
         let mut colors = lit.light.sky(sight.directions, &length);
-        if let Some(surfaces) = self.surfaces(lit.seen, sight.hits) {
-            self.paint(lit, sight, &length, &surfaces, &mut colors);
+        if self.look_up(surfaces, lit.seen, sight.hits) {
+            self.paint(lit, sight, &length, surfaces, &mut colors);
         }
         // Colours are roots of light.
         for channel in &mut colors {

@@ -5,6 +5,8 @@
 //! sixteen or fewer before it looks for vectors, and then it misses many: hence blocks of
 //! [`BLOCK`].
 
+use std::ops::Range;
+
 use openbench_scene::bvh::{LANES, MISS, PacketHits};
 use openbench_scene::{Finish, RayCaster, SemanticClass, Snapshot, Sun, Triangle};
 
@@ -62,7 +64,8 @@ pub(super) struct Look {
     pub(super) haze: f32,
 }
 
-/// The surfaces that the rays of a block hit.
+/// The surfaces that the rays of a block hit. Pixels without one have no normal and no texture;
+/// their other numbers are left from another block.
 pub(super) struct Surfaces {
     pub(super) normal: [Block; 3],
     /// Texels of the texture per metre.
@@ -78,6 +81,30 @@ pub(super) struct Surfaces {
     /// Whether it is a pane.
     pub(super) pane: [bool; BLOCK],
     pub(super) any_pane: bool,
+}
+
+impl Surfaces {
+    pub(super) const NONE: Self = Self {
+        normal: [[0.0; BLOCK]; 3],
+        density: [0.0; BLOCK],
+        color: [[0.0; BLOCK]; 3],
+        texture: [None; BLOCK],
+        uv: [[0.0; BLOCK]; 2],
+        distance: [0.0; BLOCK],
+        hit: [false; BLOCK],
+        pane: [false; BLOCK],
+        any_pane: false,
+    };
+
+    /// Forgets what these pixels showed.
+    #[inline(always)]
+    fn clear(&mut self, pixels: Range<usize>) {
+        for along in &mut self.normal {
+            along[pixels.clone()].fill(0.0);
+        }
+        self.texture[pixels.clone()].fill(None);
+        self.hit[pixels].fill(false);
+    }
 }
 
 /// The changes to a surface's own colour.
@@ -116,10 +143,12 @@ impl Shader {
         }
     }
 
-    /// Red, green and blue of each pixel, 0 to 255. `sunlit` is 0 in the shadow and 1 in the sun.
+    /// Red, green and blue of each pixel, 0 to 255. `sunlit` is 0 in the shadow and 1 in the sun;
+    /// `surfaces` are room to work in.
     #[inline(always)]
     pub(super) fn colors(
         &self,
+        surfaces: &mut Surfaces,
         seen: Snapshot<'_>,
         look: Look,
         directions: &[Block; 3],
@@ -133,11 +162,11 @@ impl Shader {
         }
         let mut colors = sky(dz, &length);
         // Blocks of sky alone need no lighting.
-        let Some(surfaces) = self.surfaces(seen, hits) else {
+        if !self.look_up(surfaces, seen, hits) {
             return colors;
-        };
-        let light = self.light(look, directions, &length, &surfaces, sunlit);
-        let texels = self.texels(&surfaces, &light.texels);
+        }
+        let light = self.light(look, directions, &length, surfaces, sunlit);
+        let texels = self.texels(surfaces, &light.texels);
         for channel in 0..3 {
             for i in 0..BLOCK {
                 const WHOLE: f32 = 1.0 / 255.0;
@@ -154,33 +183,25 @@ impl Shader {
         colors
     }
 
-    /// The surfaces of a block; `None` if no ray hit any.
+    /// Looks up the surfaces of a block; whether any ray hit one. They are too large to be returned:
+    /// copying them would cost as much as looking them up.
     #[inline(always)]
-    pub(super) fn surfaces(
+    pub(super) fn look_up(
         &self,
+        surfaces: &mut Surfaces,
         seen: Snapshot<'_>,
         hits: &[PacketHits; PACKETS],
-    ) -> Option<Surfaces> {
-        let mut surfaces = Surfaces {
-            normal: [[0.0; BLOCK]; 3],
-            density: [0.0; BLOCK],
-            color: [[0.0; BLOCK]; 3],
-            texture: [None; BLOCK],
-            uv: [[0.0; BLOCK]; 2],
-            distance: [0.0; BLOCK],
-            hit: [false; BLOCK],
-            pane: [false; BLOCK],
-            any_pane: false,
-        };
+    ) -> bool {
+        surfaces.any_pane = false;
         let mut any = false;
         for (packet, hits) in hits.iter().enumerate() {
             any |= if is_uniform(hits) {
-                self.fill(&mut surfaces, seen, hits, packet)
+                self.fill(surfaces, seen, hits, packet)
             } else {
-                self.gather(&mut surfaces, seen, hits, packet)
+                self.gather(surfaces, seen, hits, packet)
             };
         }
-        any.then_some(surfaces)
+        any
     }
 
     /// Looks up what each lane of a packet hit; whether any did.
@@ -196,6 +217,7 @@ impl Shader {
         for lane in 0..LANES {
             let (i, triangle) = (packet * LANES + lane, hits.triangle[lane]);
             if triangle == MISS {
+                surfaces.clear(i..i + 1);
                 continue;
             }
             any = true;
@@ -228,10 +250,11 @@ impl Shader {
         packet: usize,
     ) -> bool {
         let (triangle, first) = (hits.triangle[0], packet * LANES);
+        let lanes = first..first + LANES;
         if triangle == MISS {
+            surfaces.clear(lanes);
             return false;
         }
-        let lanes = first..first + LANES;
         let facet = &self.facets[triangle as usize];
         let ink = &self.inks[facet.material as usize];
         let normal = seen.normal(hits, 0);
