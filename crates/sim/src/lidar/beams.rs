@@ -14,7 +14,7 @@ use openbench_scene::{Finish, RayPacket, Snapshot};
 use serde::{Deserialize, Serialize};
 
 use super::launch::Ray;
-use super::returns::{Echo, MAX_RANGE_M, detection, deviation};
+use super::returns::{Echo, MAX_RANGE_M, deviation, left_by_air, light};
 
 /// One beam of so many is looked at for edges.
 const ONE_IN: u32 = 4;
@@ -34,6 +34,8 @@ const FARTHEST_DROP_M: f32 = 8.0;
 /// Standard deviation of the range of a drop, and its reflectivity, of 255.
 const DROP_DEVIATION_M: f32 = 0.02;
 const DROP_REFLECTIVITY: u8 = 5;
+/// Light of the drops that are counted: all of them are detected.
+const DROP_LIGHT: f32 = 2.0;
 
 /// What is wrong with the returns of a LiDAR's beams; 0 is what it always returned.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -245,7 +247,7 @@ impl Beams {
                     continue;
                 }
                 let echo = &mut echoes[pane.ray as usize];
-                echo.detection = 0.0;
+                echo.light = 0.0;
                 let drawn = share(self.bits(scan.first, pane.ray, 4));
                 if f64::from(drawn) >= self.errors.ghosts || pane.range >= MAX_RANGE_M {
                     continue;
@@ -272,10 +274,7 @@ impl Beams {
     fn weather(&self, first: u64, order: &[u32], echoes: &mut [Echo]) {
         for &ray in order {
             let echo = &mut echoes[ray as usize];
-            // There and back, by the series of the exponential function.
-            let way = 2.0 * self.air.extinction * echo.range;
-            let series = 1.0 + way * (1.0 + way * (0.5 + way * (1.0 / 6.0 + way / 24.0)));
-            echo.detection /= series;
+            echo.light *= left_by_air(self.air.extinction, echo.range);
             if share(self.bits(first, ray, 5)) >= self.air.drops {
                 continue;
             }
@@ -287,7 +286,7 @@ impl Beams {
                 *echo = Echo {
                     range,
                     deviation: DROP_DEVIATION_M,
-                    detection: 1.0,
+                    light: DROP_LIGHT,
                     reflectivity: DROP_REFLECTIVITY,
                 };
             }
@@ -330,7 +329,7 @@ fn ghosts(
         echoes[pane.ray as usize] = Echo {
             range,
             deviation: deviation(range, cosine),
-            detection: detection(range, cosine, MIRRORED * f32::from(reflectivity)),
+            light: light(range, cosine, MIRRORED * f32::from(reflectivity)),
             reflectivity,
         };
     }

@@ -26,7 +26,7 @@ use beams::{Beams, Spoiled};
 use launch::Launch;
 use order::CastingOrder;
 use pattern::{FIRING_NS, VOLLEY};
-use returns::{Echo, detection, deviation};
+use returns::{Echo, deviation, light};
 
 pub use beams::{Air, BeamErrors};
 pub use pattern::{Aim, LINES, Pattern};
@@ -179,7 +179,7 @@ impl Lidar {
                 self.echoes[ray as usize] = Echo {
                     range: met.range[i],
                     deviation: returns.deviation[i],
-                    detection: returns.detection[i],
+                    light: returns.light[i],
                     reflectivity: met.reflectivity[i],
                 };
             }
@@ -215,9 +215,9 @@ impl Lidar {
         for (ray, (echo, aim)) in (0_u32..).zip(self.echoes.iter().zip(&self.aims)) {
             // Drawn for every ray, so that one ray's hit does not change the noise of the next.
             let drawn = self.noise.quick();
-            // The uniform number is never negative, so a detection of 0 drops every ray that hit
-            // nothing.
-            if drawn.uniform >= echo.detection {
+            // The uniform number is never negative, so a probability of 0 drops every ray that
+            // hit nothing.
+            if drawn.uniform >= echo.detection() {
                 continue;
             }
             let range = (echo.range + echo.deviation * drawn.normal).max(MIN_RANGE_M);
@@ -302,8 +302,8 @@ struct BlockHits {
 struct BlockReturns {
     /// Standard deviations of the reported ranges, metres.
     deviation: [f32; BLOCK],
-    /// Probabilities that the returns are reported.
-    detection: [f32; BLOCK],
+    /// Light that comes back.
+    light: [f32; BLOCK],
 }
 
 impl BlockHits {
@@ -335,7 +335,7 @@ impl BlockHits {
     fn returns(&self) -> BlockReturns {
         let mut returns = BlockReturns {
             deviation: [0.0; BLOCK],
-            detection: [0.0; BLOCK],
+            light: [0.0; BLOCK],
         };
         for i in 0..BLOCK {
             // Either side of a triangle reflects. Rounding may give cosines above 1, whose slant
@@ -343,8 +343,7 @@ impl BlockHits {
             let along = self.along[i].abs();
             let cosine = if along < 1.0 { along } else { 1.0 };
             returns.deviation[i] = deviation(self.range[i], cosine);
-            returns.detection[i] =
-                detection(self.range[i], cosine, f32::from(self.reflectivity[i]));
+            returns.light[i] = light(self.range[i], cosine, f32::from(self.reflectivity[i]));
         }
         returns
     }
