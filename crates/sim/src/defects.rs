@@ -37,7 +37,8 @@ pub struct Defects {
     pub encoder_marks: u32,
     /// Angle by which a motor turns before its wheel follows, when it is reversed, radians.
     pub backlash_rad: f64,
-    /// Whether tyres grip less on pavements, gravel and grass than on asphalt.
+    /// Whether tyres grip less on pavements, gravel and grass than on asphalt, and less on wet
+    /// ground.
     pub slips: bool,
 }
 
@@ -91,16 +92,19 @@ impl Mount {
     }
 }
 
-/// Friction of rubber on a dry surface, relative to that on asphalt.
-pub(crate) fn grip(class: SemanticClass) -> f64 {
-    match class.coarse() {
-        // Grass and bare ground. Wong, Theory of Ground Vehicles, lists 0.68 on dry and 0.55 on
-        // wet earth, and 0.8 to 0.9 on asphalt.
-        SemanticClass::Ground | SemanticClass::Vegetation => 0.7,
+/// Friction of rubber on a surface, relative to that on dry asphalt, at a wetness from 0 to 1.
+pub(crate) fn grip(class: SemanticClass, wetness: f64) -> f64 {
+    // Wong, Theory of Ground Vehicles, lists 0.8 to 0.9 on dry and 0.5 to 0.7 on wet asphalt, 0.68
+    // on dry and 0.55 on wet earth.
+    let (dry, wet) = match class.coarse() {
+        // Grass and bare ground.
+        SemanticClass::Ground | SemanticClass::Vegetation => (0.7, 0.65),
         // Slabs are smoother than asphalt.
-        SemanticClass::Pavement | SemanticClass::Kerb => 0.85,
-        _ => 1.0,
-    }
+        SemanticClass::Pavement | SemanticClass::Kerb => (0.85, 0.6),
+        SemanticClass::Road => (1.0, 0.7),
+        _ => (1.0, 1.0),
+    };
+    dry + wetness * (wet - dry)
 }
 
 #[cfg(test)]

@@ -222,8 +222,8 @@ impl Physics {
         self.world.step();
     }
 
-    /// Lets each tyre grip as the surface below it allows.
-    pub(crate) fn feel_surfaces(&mut self, caster: &RayCaster) {
+    /// Lets each tyre grip as the surface below it allows, at a wetness from 0 to 1.
+    pub(crate) fn feel_surfaces(&mut self, caster: &RayCaster, wetness: f64) {
         let pose = *self.world.bodies[self.body].position();
         let (forward, left) = (pose.rotation * Vector::X, pose.rotation * Vector::Y);
         let up = pose.rotation * Vector::Z;
@@ -233,7 +233,7 @@ impl Physics {
             let hit = caster.cast(single(hub + up * LIFT_M), single(up * -1.0), length);
             // A wheel in the air keeps what it had.
             if let Some(hit) = hit {
-                wheel.grip = grip(caster.material(hit.triangle).class);
+                wheel.grip = grip(caster.material(hit.triangle).class, wetness);
             }
         }
     }

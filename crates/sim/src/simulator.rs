@@ -46,6 +46,8 @@ pub struct Simulator {
     /// As it is described.
     robot: RobotDescription,
     defects: Defects,
+    /// How wet the ground is, 0 to 1.
+    wetness: f64,
     /// Pose of the LiDAR in `base_link`, as it is.
     lidar_mount: Pose3,
     physics: Physics,
@@ -109,6 +111,7 @@ impl Simulator {
             lidar_path: vec![physics.base_link() * lidar_mount],
             lidar_mount,
             defects: *defects,
+            wetness: 0.0,
             stage,
             robot,
             physics,
@@ -138,7 +141,7 @@ impl Simulator {
         simulator
     }
 
-    /// Changes what the sensors meet: a camera with faults, another light. Before traffic or after
+    /// Changes what sensors and tyres meet: faults, another light, wet ground. Before traffic or after
     /// it, but before the first step.
     pub fn in_surroundings(mut self, surroundings: &Surroundings) -> Self {
         let optics = self.robot.camera_intrinsics;
@@ -147,6 +150,7 @@ impl Simulator {
             self.camera.replace(camera);
             self.move_camera();
         }
+        self.wetness = surroundings.weather.wetness;
         let air = surroundings.weather.air();
         let seed = self.seed ^ BEAM_STREAM;
         self.lidar = self.lidar.with_errors(surroundings.lidar, air, seed);
@@ -221,7 +225,8 @@ impl Simulator {
         // Movers decide by what the robot does now, and then move in step with it.
         self.step_crowd(robot);
         if self.defects.slips {
-            self.physics.feel_surfaces(self.stage.caster());
+            self.physics
+                .feel_surfaces(self.stage.caster(), self.wetness);
         }
         for _ in 0..OBSERVATION_NS / STEP_NS {
             self.step_physics(velocity);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Point3, Vector3};
 use openbench_core::{Pose2, RobotDescription, SimTime, Velocity};
 use openbench_scene::{Layer, Material, RayCaster, SceneBuilder, SemanticClass};
-use openbench_sim::{Defects, Mount, Simulator, Stage};
+use openbench_sim::{Defects, Mount, Simulator, Stage, Surroundings, Weather};
 
 /// Flat ground of a class, 40 m x 40 m, with a wall across x = 3.
 fn stage(class: SemanticClass) -> Stage {
@@ -126,6 +126,28 @@ fn tyres_slip_more_on_grass() {
     assert_eq!(asphalt, turned(SemanticClass::Ground, false));
     let grass = turned(SemanticClass::Ground, true);
     assert!(grass < asphalt, "{grass} {asphalt}");
+}
+
+#[test]
+fn tyres_slip_more_on_wet_asphalt() {
+    let turned = |weather| {
+        let defects = Defects {
+            slips: true,
+            ..Defects::default()
+        };
+        let surroundings = Surroundings {
+            weather,
+            ..Surroundings::default()
+        };
+        let robot = on(SemanticClass::Road, defects);
+        let mut robot = robot.in_surroundings(&surroundings);
+        drive(&mut robot, Velocity::new(0.0, 1.0), 3.0).0.yaw
+    };
+    let wet = Weather {
+        wetness: 1.0,
+        ..Weather::DRY
+    };
+    assert!(turned(wet) < turned(Weather::DRY));
 }
 
 #[test]

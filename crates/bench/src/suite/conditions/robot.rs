@@ -36,7 +36,7 @@ pub struct RobotErrors {
     pub encoder_marks: u32,
     /// Angle by which a motor turns before its wheel follows, when it is reversed, degrees, exact.
     pub backlash_deg: f64,
-    /// Whether tyres grip less on pavements and grass than on asphalt.
+    /// Whether tyres grip less on pavements and grass than on asphalt, and less on wet ground.
     pub slips: bool,
 }
 
