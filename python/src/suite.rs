@@ -35,10 +35,8 @@ impl WrittenSuite {
     }
 
     fn harder(&self, mut suite: Suite, seed: u64) -> Result<Suite, BenchError> {
-        for (key, value) in &self.1 {
-            let set = suite.conditions.set(key, value);
-            set.map_err(BenchError::world)?;
-        }
+        let words = self.1.iter().map(|(key, value)| (&**key, &**value));
+        suite.conditions.set_all(words).map_err(BenchError::world)?;
         Ok(suite.with_seed(seed))
     }
 

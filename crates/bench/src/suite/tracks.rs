@@ -102,9 +102,7 @@ impl Track {
             // In turn, so that ten seeds have all of them.
             count => self.either[(seed % count as u64) as usize],
         };
-        for (key, value) in self.conditions.iter().chain(one_of) {
-            conditions.set(key, value)?;
-        }
+        conditions.set_all(self.conditions.iter().chain(one_of).copied())?;
         Ok(conditions)
     }
 }

@@ -80,8 +80,8 @@ pub struct RunArgs {
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub settings: Vec<(String, String)>,
     /// Makes the run harder: a level, such as map=city or start=10m, which sets all numbers of its
-    /// condition, or one number, such as map.shift_m=3; may be repeated, and later ones change
-    /// earlier ones. The suite's own stays where nothing is said
+    /// condition, or one number that changes the level, such as map.shift_m=3; may be repeated, in
+    /// any order. The suite's own stays where nothing is said
     #[arg(long = "condition", value_name = "KEY=VALUE", value_parser = key_value)]
     pub conditions: Vec<(String, String)>,
     /// Computing takes simulated time, by the clock: an answer of a model, of a policy server or of

@@ -449,11 +449,8 @@ pub(super) fn set_conditions(
     suite: &mut Suite,
     conditions: &[(String, String)],
 ) -> anyhow::Result<()> {
-    for (key, value) in conditions {
-        let set = suite.conditions.set(key, value);
-        set.with_context(|| format!("--condition {key}={value}"))?;
-    }
-    Ok(())
+    let words = conditions.iter().map(|(key, value)| (&**key, &**value));
+    suite.conditions.set_all(words).context("--condition")
 }
 
 fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {

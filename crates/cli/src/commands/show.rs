@@ -23,10 +23,9 @@ use crate::outcome::{Outcome, say, tell};
 /// Draws a world.
 pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
     let mut conditions = Conditions::default();
-    for (key, value) in &args.conditions {
-        let set = conditions.set(key, value);
-        set.with_context(|| format!("--condition {key}={value}"))?;
-    }
+    let words = args.conditions.iter();
+    let set = conditions.set_all(words.map(|(key, value)| (&**key, &**value)));
+    set.context("--condition")?;
     let world = load_with(&source(args)?, conditions.alterations(args.seed))?;
     world.warnings.iter().for_each(|w| tell(w));
     let plan = TrafficPlan {

@@ -26,10 +26,9 @@ pub(super) fn image(
     pose: Pose2,
 ) -> anyhow::Result<Image> {
     let mut conditions = Conditions::default();
-    for (key, value) in &args.conditions {
-        let set = conditions.set(key, value);
-        set.with_context(|| format!("--condition {key}={value}"))?;
-    }
+    let words = args.conditions.iter();
+    let set = conditions.set_all(words.map(|(key, value)| (&**key, &**value)));
+    set.context("--condition")?;
     let Some(key) = &args.levels else {
         let image = taken(args, world, stage, pose, &conditions)?;
         return Ok(Arc::unwrap_or_clone(image));

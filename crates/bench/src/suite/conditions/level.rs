@@ -106,27 +106,38 @@ pub(super) fn changed<C: Condition>(
     Ok(condition)
 }
 
-/// A condition as the command line takes it: its level, or each number that is not that of the
-/// first level; nothing if it is off.
+/// A condition as the command line takes it: the level that is most like it, and each number that
+/// is not that level's; nothing if it is off.
 pub(super) fn words<C: Condition>(condition: &C) -> Vec<String> {
     let key = C::KEY;
-    if condition.is_off() {
-        return Vec::new();
+    let beyond = |(name, level): &(&str, C)| {
+        let mut words = vec![format!("{key}={name}")];
+        words.extend(
+            differences(condition, level)
+                .into_iter()
+                .map(|(name, value)| format!("{key}.{name}={value}")),
+        );
+        words
+    };
+    // The first one of those that are equally like it.
+    let mut words = C::LEVELS.iter().map(beyond).min_by_key(Vec::len);
+    let off = format!("{key}={}", C::LEVELS[0].0);
+    if let Some(words) = &mut words {
+        // What is off needs no mention.
+        words.retain(|word| *word != off);
     }
-    if let Some(level) = condition.level() {
-        return vec![format!("{key}={level}")];
-    }
+    words.unwrap_or_default()
+}
+
+/// The numbers in which a condition differs from another one.
+fn differences<C: Condition>(condition: &C, other: &C) -> Vec<(String, Value)> {
     let [Ok(Value::Object(numbers)), Ok(Value::Object(usual))] =
-        [*condition, C::off()].map(serde_json::to_value)
+        [*condition, *other].map(serde_json::to_value)
     else {
         return Vec::new();
     };
-    let changed = numbers
-        .iter()
-        .filter(|(name, value)| usual.get(*name) != Some(*value));
-    changed
-        .map(|(name, value)| format!("{key}.{name}={value}"))
-        .collect()
+    let differs = |(name, value): &(String, Value)| usual.get(name) != Some(value);
+    numbers.into_iter().filter(differs).collect()
 }
 
 /// As a suite has it: the name of a level, or a table.

@@ -78,8 +78,8 @@ macro_rules! conditions {
                 true $(&& self.$field.is_off())*
             }
 
-            /// Those that are not off, as the command line takes them: `map=city`, or
-            /// `map.shift_m=3` for each number of one that is no level.
+            /// Those that are not off, as the command line takes them: `map=city`, and
+            /// `map.shift_m=3` for each number that its level has not.
             pub fn words(&self) -> Vec<String> {
                 [$(level::words(&self.$field)),*].concat()
             }
@@ -95,20 +95,50 @@ macro_rules! conditions {
                 }
             }
 
-            /// Sets a condition to a level (`map`, `city`), or one of its numbers (`map.shift_m`,
-            /// `3`).
+            /// Sets conditions to levels (`map`, `city`), or numbers of them (`map.shift_m`, `3`),
+            /// in any order: numbers change the level that is set with them, or else what was set
+            /// before. Of two values for one key the later one counts.
             ///
             /// # Errors
-            /// A condition, level or number that there is not, or a number out of its range.
-            pub fn set(&mut self, key: &str, value: &str) -> Result<(), ConditionError> {
-                let (name, number) = match key.split_once('.') {
-                    Some((name, number)) => (name, Some(number)),
-                    None => (key, None),
-                };
-                match name {
-                    $(<$kind>::KEY => set(&mut self.$field, number, value),)*
-                    _ => Err(unknown(key)),
+            /// A condition, level or number that there is not, or a number out of its range; then
+            /// nothing is changed.
+            pub fn set_all<'a>(
+                &mut self,
+                words: impl IntoIterator<Item = (&'a str, &'a str)>,
+            ) -> Result<(), ConditionError> {
+                let mut changes: Vec<(&str, Change<'_>)> = Vec::new();
+                for (key, value) in words {
+                    let (name, number) = match key.split_once('.') {
+                        Some((name, number)) => (name, Some(number)),
+                        None => (key, None),
+                    };
+                    if !Self::NAMES.contains(&name) {
+                        return Err(unknown(key));
+                    }
+                    let at = changes.iter().position(|(known, _)| *known == name);
+                    let at = at.unwrap_or_else(|| {
+                        changes.push((name, Change::default()));
+                        changes.len() - 1
+                    });
+                    changes[at].1.add(number, value);
                 }
+                let mut changed = *self;
+                for (name, change) in changes {
+                    match name {
+                        $(<$kind>::KEY => changed.$field = change.of(changed.$field)?,)*
+                        _ => return Err(unknown(name)),
+                    }
+                }
+                *self = changed;
+                Ok(())
+            }
+
+            /// Sets one of them, see [`set_all`](Self::set_all).
+            ///
+            /// # Errors
+            /// As [`set_all`](Self::set_all).
+            pub fn set(&mut self, key: &str, value: &str) -> Result<(), ConditionError> {
+                self.set_all([(key, value)])
             }
         }
     };
@@ -202,21 +232,33 @@ fn names<C: Condition>() -> Vec<&'static str> {
     C::LEVELS.iter().map(|(name, _)| *name).collect()
 }
 
-fn set<C: Condition>(
-    condition: &mut C,
-    number: Option<&str>,
-    value: &str,
-) -> Result<(), ConditionError> {
-    *condition = match number {
-        None => level::named(value)?,
-        Some(number) => {
-            // Numbers and truth values; anything else is reported where it is no number.
-            let value = value.parse().unwrap_or_else(|_| Value::from(value));
-            let change = Map::from_iter([(number.to_owned(), value)]);
-            level::changed(*condition, &change)?
+/// What is to be changed about one condition.
+#[derive(Default)]
+struct Change<'a> {
+    level: Option<&'a str>,
+    numbers: Map<String, Value>,
+}
+
+impl<'a> Change<'a> {
+    fn add(&mut self, number: Option<&str>, value: &'a str) {
+        match number {
+            None => self.level = Some(value),
+            Some(number) => {
+                // Numbers and truth values; anything else is reported where it is no number.
+                let value = value.parse().unwrap_or_else(|_| Value::from(value));
+                self.numbers.insert(number.to_owned(), value);
+            }
         }
-    };
-    Ok(())
+    }
+
+    /// A condition with these changes.
+    fn of<C: Condition>(&self, before: C) -> Result<C, ConditionError> {
+        let base = match self.level {
+            Some(name) => level::named(name)?,
+            None => before,
+        };
+        level::changed(base, &self.numbers)
+    }
 }
 
 #[cfg(test)]
@@ -358,15 +400,48 @@ mod tests {
             conditions.set(key, value).unwrap();
         }
         let words = conditions.words();
-        assert_eq!(
-            words,
-            ["map=city", "start.position_m=5.0", "start.yaw_deg=7.5"]
-        );
-        let mut again = Conditions::default();
-        for word in &words {
-            let (key, value) = word.split_once('=').unwrap();
-            again.set(key, value).unwrap();
+        assert_eq!(words, ["map=city", "start=5m", "start.yaw_deg=7.5"]);
+        for text in [
+            "[plates]\nlevel = \"real\"\nmissing = 0.2\ndirty = 0.0",
+            "[light]\nlevel = \"dusk\"\nclouds = 0.7",
+            "[light]\ndrawn = true\nsun_from_deg = 60.0\nsun_to_deg = 61.0",
+            "[lidar]\nglass = 0.5\nghosts = 0.2",
+            "[map]\nmissing = 0.25\n[doors]\ndrawn = true",
+        ] {
+            let conditions = read(text).unwrap();
+            let words = conditions.words();
+            let mut again = Conditions::default();
+            // Backwards too: their order does not matter.
+            let backwards = words.iter().rev().map(|word| word.split_once('=').unwrap());
+            again.set_all(backwards).unwrap();
+            assert_eq!(again, conditions, "{words:?}");
         }
-        assert_eq!(again, conditions);
+    }
+
+    #[test]
+    fn numbers_that_belong_together_are_checked_together() {
+        let set = |words: &[(&str, &str)]| {
+            let mut conditions = Conditions::default();
+            let set = conditions.set_all(words.iter().copied());
+            set.map(|()| conditions).map_err(|error| error.to_string())
+        };
+        let ghosts = set(&[("lidar.ghosts", "0.1"), ("lidar.glass", "0.5")]).unwrap();
+        assert_eq!(ghosts.lidar.ghosts, 0.1);
+        let low = [("light.sun_to_deg", "3"), ("light.sun_from_deg", "2")];
+        let low = set(&[("light", "day"), low[0], low[1]]).unwrap();
+        assert_eq!((low.light.sun_from_deg, low.light.sun_to_deg), (2.0, 3.0));
+        let plates = set(&[("plates.missing", "0.1"), ("plates", "real")]).unwrap();
+        assert!(plates.plates.real && plates.plates.missing == 0.1);
+        assert!(
+            set(&[("lidar.ghosts", "0.1")])
+                .unwrap_err()
+                .contains("set glass too")
+        );
+        let (wrong, before) = (
+            set(&[("map", "city"), ("start", "9m")]),
+            Conditions::default(),
+        );
+        assert!(wrong.unwrap_err().contains("no level `9m`"));
+        assert!(before.are_off());
     }
 }
