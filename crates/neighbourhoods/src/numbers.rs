@@ -1,8 +1,8 @@
 //! House numbers, as countries have them: odd and even sides, or around the street, or per estate;
-//! with gaps and letters here and there.
+//! with gaps, letters and houses of two numbers here and there.
 
 use openbench_osm::draws::{chance, whole};
-use openbench_osm::houses::{GAPS, number_street};
+use openbench_osm::houses::{GAPS, Inserted, number_street};
 use rand_pcg::Pcg64Mcg;
 
 use crate::plan::{Home, HomeKind, Side};
@@ -29,7 +29,7 @@ pub(crate) fn give(
     }
     for street in 0..streets {
         let mut draws = seed.stream(Purpose::Numbers, 1 + street as u64);
-        along(street, &mut draws, homes);
+        along(street, language, &mut draws, homes);
     }
     name_some(language, seed, homes);
 }
@@ -49,7 +49,7 @@ fn estate(language: Language, blocks: bool, draws: &mut Pcg64Mcg, homes: &mut [H
 }
 
 /// Numbers the houses of one street.
-fn along(street: usize, draws: &mut Pcg64Mcg, homes: &mut [Home]) {
+fn along(street: usize, language: Language, draws: &mut Pcg64Mcg, homes: &mut [Home]) {
     let of_side = |side: Side, homes: &[Home]| {
         let mut found: Vec<usize> = (0..homes.len())
             .filter(|i| homes[*i].street == street && homes[*i].side == side)
@@ -58,7 +58,11 @@ fn along(street: usize, draws: &mut Pcg64Mcg, homes: &mut [Home]) {
         found
     };
     let (left, right) = (of_side(Side::Left, homes), of_side(Side::Right, homes));
-    for (home, number) in number_street(&left, &right, draws) {
+    let inserted = match language {
+        Language::French => Inserted::Bis,
+        _ => Inserted::Letter,
+    };
+    for (home, number) in number_street(&left, &right, inserted, draws) {
         homes[home].number = number;
     }
 }

@@ -5,11 +5,11 @@
 //! |---|---|
 //! | `doors` | [`draw_doors`]: where the doors of a house are |
 //! | `units` | units of several doors |
-//! | `numbers` | [`number_street`]: house numbers along a street |
+//! | `numbers` | [`number_street`]: house numbers along a street; [`Inserted`] |
 
 mod doors;
 mod numbers;
 mod units;
 
 pub use doors::{DoorWish, DrawnDoor, Face, FaceWeights, draw_doors};
-pub use numbers::{GAPS, number_street};
+pub use numbers::{GAPS, Inserted, number_street};

@@ -1,5 +1,5 @@
-//! House numbers along a street: odd and even sides, or up one side and down the other; with gaps
-//! and letters here and there.
+//! House numbers along a street: odd and even sides, or up one side and down the other; with gaps,
+//! houses of two numbers and houses between two others here and there.
 
 use rand_pcg::Pcg64Mcg;
 
@@ -7,20 +7,45 @@ use crate::draws::{chance, whole};
 
 /// Share of the houses before which a number is left out.
 pub const GAPS: f64 = 0.12;
+/// Share of the numbers left out that the house before has too: `14-16`.
+const RANGES: f64 = 0.3;
 /// Share of the houses that were built between two others: `12a`.
-const LETTERS: f64 = 0.07;
+const INSERTED: f64 = 0.07;
+
+/// What a house that was built between two others has behind the number of the one before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Inserted {
+    /// A letter: `12a`.
+    Letter,
+    /// As in France: `12 bis`.
+    Bis,
+}
+
+/// A house with its number.
+struct Numbered<T> {
+    house: T,
+    number: String,
+    /// The number after it, if no house has that.
+    left_out: Option<u32>,
+}
 
 /// Numbers the houses of a street, given in their order on its left and on its right; returns each
 /// with its number.
 ///
 /// ```
 /// use openbench_osm::draws::stream;
-/// use openbench_osm::houses::number_street;
+/// use openbench_osm::houses::{Inserted, number_street};
 ///
-/// let numbers = number_street(&["a", "b", "c"], &["x", "y"], &mut stream(1, 1, 0));
+/// let draws = &mut stream(1, 1, 0);
+/// let numbers = number_street(&["a", "b", "c"], &["x", "y"], Inserted::Letter, draws);
 /// assert_eq!(numbers.len(), 5);
 /// ```
-pub fn number_street<T: Copy>(left: &[T], right: &[T], draws: &mut Pcg64Mcg) -> Vec<(T, String)> {
+pub fn number_street<T: Copy>(
+    left: &[T],
+    right: &[T],
+    inserted: Inserted,
+    draws: &mut Pcg64Mcg,
+) -> Vec<(T, String)> {
     let (mut left, mut right) = (left.to_vec(), right.to_vec());
     if chance(draws, 0.5) {
         // The town's middle, from which numbers count, is at the other end.
@@ -29,36 +54,81 @@ pub fn number_street<T: Copy>(left: &[T], right: &[T], draws: &mut Pcg64Mcg) -> 
         std::mem::swap(&mut left, &mut right);
     }
     let first = 2 * whole(draws, 0, 24);
-    if chance(draws, 0.2) {
+    let numbered = if chance(draws, 0.2) {
         // Up one side and down the other.
         right.reverse();
         left.append(&mut right);
-        return count(&left, first / 2 + 1, 1, draws);
-    }
-    let mut numbered = count(&left, first + 1, 2, draws);
-    numbered.extend(count(&right, first + 2, 2, draws));
+        count(&left, first / 2 + 1, 1, inserted, draws)
+    } else {
+        let mut numbered = count(&left, first + 1, 2, inserted, draws);
+        numbered.extend(count(&right, first + 2, 2, inserted, draws));
+        numbered
+    };
     numbered
+        .into_iter()
+        .map(|house| house.with_range(draws))
+        .collect()
 }
 
 /// Numbers houses in their order.
-fn count<T: Copy>(order: &[T], first: u32, step: u32, draws: &mut Pcg64Mcg) -> Vec<(T, String)> {
+fn count<T: Copy>(
+    order: &[T],
+    first: u32,
+    step: u32,
+    inserted: Inserted,
+    draws: &mut Pcg64Mcg,
+) -> Vec<Numbered<T>> {
     let mut number = first;
-    let mut lettered = true;
-    let mut numbered = Vec::with_capacity(order.len());
-    for house in order {
-        let (gap, letter) = (chance(draws, GAPS), chance(draws, LETTERS));
-        if letter && !lettered {
+    let mut is_inserted = true;
+    let mut numbered: Vec<Numbered<T>> = Vec::with_capacity(order.len());
+    for &house in order {
+        let (gap, between) = (chance(draws, GAPS), chance(draws, INSERTED));
+        if between && !is_inserted {
             // Built later, beside the house with the number before.
-            numbered.push((*house, format!("{}a", number - step)));
-            lettered = true;
+            numbered.push(Numbered {
+                house,
+                number: inserted.behind(number - step),
+                left_out: None,
+            });
+            is_inserted = true;
             continue;
         }
-        number += if gap { step } else { 0 };
-        numbered.push((*house, number.to_string()));
+        if gap {
+            // A house that stands beside one with a letter keeps a single number.
+            if let Some(before) = numbered.last_mut().filter(|_| !is_inserted) {
+                before.left_out = Some(number);
+            }
+            number += step;
+        }
+        numbered.push(Numbered {
+            house,
+            number: number.to_string(),
+            left_out: None,
+        });
         number += step;
-        lettered = false;
+        is_inserted = false;
     }
     numbered
+}
+
+impl Inserted {
+    fn behind(self, number: u32) -> String {
+        match self {
+            Self::Letter => format!("{number}a"),
+            Self::Bis => format!("{number} bis"),
+        }
+    }
+}
+
+impl<T> Numbered<T> {
+    /// The house with its number, and here and there with the next one that no other house has.
+    fn with_range(self, draws: &mut Pcg64Mcg) -> (T, String) {
+        let number = match self.left_out.filter(|_| chance(draws, RANGES)) {
+            Some(next) => format!("{}-{next}", self.number),
+            None => self.number,
+        };
+        (self.house, number)
+    }
 }
 
 #[cfg(test)]
@@ -73,7 +143,8 @@ mod tests {
         let (left, right) = ([0, 1, 2, 3, 4, 5, 6], [7, 8, 9, 10]);
         let mut are_consecutive = 0;
         for seed in 0..200 {
-            let numbered = number_street(&left, &right, &mut stream(seed, 1, 0));
+            let draws = &mut stream(seed, 1, 0);
+            let numbered = number_street(&left, &right, Inserted::Letter, draws);
             let houses: BTreeSet<i32> = numbered.iter().map(|(house, _)| *house).collect();
             let numbers: BTreeSet<&str> = numbered.iter().map(|(_, n)| n.as_str()).collect();
             assert_eq!((houses.len(), numbers.len()), (11, 11), "{numbered:?}");
@@ -86,5 +157,24 @@ mod tests {
             are_consecutive += usize::from(odd != 0 && odd != 7);
         }
         assert!((20..60).contains(&are_consecutive), "{are_consecutive}");
+    }
+
+    #[test]
+    fn some_houses_have_two_numbers_and_no_number_is_given_twice() {
+        let (left, right): (Vec<i32>, Vec<i32>) = ((0..20).collect(), (20..40).collect());
+        let (mut ranges, mut between) = (0, 0);
+        for seed in 0..50 {
+            let draws = &mut stream(seed, 1, 0);
+            let mut taken = BTreeSet::new();
+            for (_, number) in number_street(&left, &right, Inserted::Bis, draws) {
+                ranges += usize::from(number.contains('-'));
+                between += usize::from(number.ends_with(" bis"));
+                for one in number.split('-') {
+                    assert!(taken.insert(one.to_owned()), "{seed}: {number}");
+                }
+            }
+        }
+        assert!((30..110).contains(&ranges), "{ranges}");
+        assert!((80..180).contains(&between), "{between}");
     }
 }

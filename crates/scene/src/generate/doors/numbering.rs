@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use openbench_osm::houses::number_street;
+use openbench_osm::houses::{Inserted, number_street};
 use rand_pcg::Pcg64Mcg;
 
 /// A mapped number this near along the street is the neighbour's, metres.
@@ -67,7 +67,9 @@ impl StreetSides {
             let there = left_over.iter().filter(|house| house.is_left == is_left);
             there.map(|house| house.building).collect()
         };
-        for (building, number) in number_street(&side(true), &side(false), draws) {
+        let (left, right) = (side(true), side(false));
+        for (building, number) in number_street(&left, &right, Inserted::Letter, draws) {
+            let number = given.with_free_range(number);
             let lettered = digits(&number).into_iter().flat_map(with_letters);
             let following = following(&number);
             let own = std::iter::once(number);
@@ -105,6 +107,16 @@ impl<F: Fn(&str) -> bool> Given<F> {
         self.numbers.insert(number.clone());
         self.numbered.push(DrawnNumber { building, number });
         true
+    }
+
+    /// The number itself, or its first one where another building has its last one.
+    fn with_free_range(&self, number: String) -> String {
+        match number.split_once('-') {
+            Some((first, last)) if (self.is_taken)(last) || self.numbers.contains(last) => {
+                first.to_owned()
+            }
+            _ => number,
+        }
     }
 }
 
