@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{LonLat, MapPoint, Pose2};
 use openbench_geometry::Polygon;
-use rand::RngExt;
 
 use crate::data::OsmData;
 use crate::draws::{element_number, stream};
@@ -33,6 +32,8 @@ pub(super) struct Draft {
     next_node: i64,
     /// Buildings that are not there.
     invented: Vec<Polygon>,
+    /// Names with numbers that buildings have or had.
+    taken: BTreeSet<String>,
 }
 
 /// What uses a node.
@@ -65,6 +66,7 @@ impl Draft {
             projection,
             data: data.clone(),
             invented: Vec::new(),
+            taken: BTreeSet::new(),
         }
     }
 
@@ -102,6 +104,7 @@ impl Draft {
                 self.forget_names_inside(*element, footprint);
             }
         }
+        self.taken = taken;
     }
 
     /// Takes the names of all that belongs to a building but itself: they would tell its own.
@@ -318,11 +321,10 @@ impl Draft {
         renumbered(&by_place(self.data))
     }
 
-    /// Adds the buildings that are not there, each with the tags of one that is, but for its name.
+    /// Adds the buildings that are not there, each with the tags of the one nearest to it, and the
+    /// nearest number that is free: who has no number must not stand out.
     fn add_invented(&mut self, frame: Pose2, seed: u64) {
-        let ways = self.data.ways.values();
-        let real = ways.filter(|way| way.tags.says("building"));
-        let real: Vec<Tags> = real.map(|way| nameless(&way.tags)).collect();
+        let real = self.buildings_by_place();
         let mut next_way = self
             .data
             .ways
@@ -331,10 +333,16 @@ impl Draft {
             .map_or(1, |id| id.saturating_add(1));
         for (number, outline) in (1..).zip(std::mem::take(&mut self.invented)) {
             let mut draws = stream(seed, Purpose::InventedNumber as u64, number);
-            let tags = match real.len() as u32 {
-                0 => Tags::from([("building", "yes")]),
-                count => real[draws.random_range(0..count) as usize].clone(),
-            };
+            let middle = outline.centroid();
+            let there = frame.transform(middle.x, middle.y);
+            let nearest = real.iter().min_by(|a, b| {
+                let [a, b] = [a, b].map(|(at, _)| at.distance(there));
+                a.total_cmp(&b)
+            });
+            let tags = nearest.map_or(Tags::from([("building", "yes")]), |(_, tags)| {
+                renumber(tags, &self.taken, &mut draws).unwrap_or_else(|| nameless(tags))
+            });
+            self.taken.extend(numbered_names(&tags));
             let mut nodes: Vec<i64> = Vec::new();
             for at in &outline.outer {
                 let id = self.add_node(*at, User::Other);
@@ -353,6 +361,17 @@ impl Draft {
             self.data.ways.insert(next_way, way);
             next_way = next_way.saturating_add(1);
         }
+    }
+
+    /// The buildings that are ways: their first corners in the wrong map, and their tags.
+    fn buildings_by_place(&self) -> Vec<(MapPoint, Tags)> {
+        let buildings = self.data.ways.values();
+        let buildings = buildings.filter(|way| way.tags.says("building"));
+        let placed = buildings.filter_map(|way| {
+            let node = self.data.nodes.get(way.nodes.first()?)?;
+            Some((self.projection.to_map(node.position), way.tags.clone()))
+        });
+        placed.collect()
     }
 
     /// Removes nodes that ways used before, that nothing uses now, and that say nothing.

@@ -1,4 +1,5 @@
-//! Wrong numbers of buildings: near the right one, and of no other building.
+//! Wrong numbers of buildings: near the right one, and of no other building; with a letter where all
+//! numbers nearby are taken.
 
 use std::collections::BTreeSet;
 
@@ -10,6 +11,8 @@ use crate::tags::Tags;
 
 /// A wrong number is at most so far from the right one.
 const FARTHEST: u64 = 40;
+/// Letters behind the right number that are tried where all others are taken.
+const LETTERS: [char; 6] = ['a', 'b', 'c', 'd', 'e', 'f'];
 /// Keys that may hold a building's number, in the order in which they are looked at.
 const KEYS: [&str; 3] = ["name", "addr:housenumber", "ref"];
 
@@ -31,14 +34,16 @@ pub(super) fn renumber(
         Some((key, parts))
     })?;
     let numbers = (1..=FARTHEST).flat_map(|distance| parts.neighbours(distance, ascending));
-    let mut changed = numbers.map(|number| {
+    let plain = numbers.map(|number| number.to_string());
+    let lettered = LETTERS.map(|letter| format!("{}{letter}", parts.number));
+    let mut changed = plain.chain(lettered).map(|number| {
         // Other names would tell the right one.
         let mut changed = nameless(tags);
         let place = tags.iter().filter(|(other, _)| is_place(other));
         for (other, value) in place {
             changed.insert(other, value);
         }
-        changed.insert(key, parts.with(number));
+        changed.insert(key, parts.with(&number));
         changed
     });
     changed.find(|tags| name_by(tags, key).is_some_and(|name| !taken.contains(&name)))
@@ -106,7 +111,7 @@ impl<'a> Numbered<'a> {
         order.into_iter().flatten()
     }
 
-    fn with(&self, number: u64) -> String {
+    fn with(&self, number: &str) -> String {
         format!("{}{number}{}", self.before, self.after)
     }
 }

@@ -1,3 +1,4 @@
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use openbench_core::Georeference;
@@ -228,10 +229,21 @@ fn invented_buildings_stand_free_and_their_numbers_do_not_tell() {
     let wrong = disturbed(&right, errors, 4);
     assert!(wrong.invented.len() > 10, "{}", wrong.invented.len());
     let map = OsmMap::new(&wrong.map, place());
-    let is_invented = |b: &Building| b.name.is_none();
+    let is_invented = |b: &Building| {
+        let middle = b.polygon.centroid();
+        let mut invented = wrong.invented.iter();
+        invented.any(|outline| outline.centroid().distance(middle) < 0.1)
+    };
     let positions: Vec<usize> = (0..map.buildings.len())
         .filter(|i| is_invented(&map.buildings[*i]))
         .collect();
+    // They have numbers as the others have, and none has that of another one.
+    let names: BTreeSet<&String> = map
+        .buildings
+        .iter()
+        .filter_map(|b| b.name.as_ref())
+        .collect();
+    assert_eq!(names.len(), map.buildings.len());
     assert_eq!(positions.len(), wrong.invented.len());
     assert!(positions[0] < 50, "all of them at the end");
     for i in positions {
