@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use openbench_bench::suite::GoalKind;
+use openbench_bench::suite::{Condition, GoalKind};
 use openbench_bench::{Prepared, Suite};
 
 use crate::error::EnvironmentError;
@@ -27,8 +27,9 @@ impl World {
     /// own, those with several deliveries are left out.
     ///
     /// # Errors
-    /// [`EnvironmentError::Bench`] of a world that cannot be built, or of a suite in which no
-    /// episode is left.
+    /// [`EnvironmentError::Bench`] of a world that cannot be built;
+    /// [`EnvironmentError::Option`] of a suite in which no episode is left, or that charges for
+    /// computing.
     pub fn new(mut suite: Suite, options: &Options) -> Result<Self, EnvironmentError> {
         suite.goal = options.goal;
         if options.goal == GoalKind::Point || options.start.is_some() {
@@ -40,6 +41,14 @@ impl World {
             return Err(EnvironmentError::Option {
                 option: "suite",
                 problem: format!("{} has no episode with one delivery", suite.name),
+            });
+        }
+        if !suite.conditions.compute.is_off() {
+            return Err(EnvironmentError::Option {
+                option: "conditions",
+                problem: "a learner does not say what it computes and is not charged; write \
+                          compute = free"
+                    .to_owned(),
             });
         }
         Ok(Self {

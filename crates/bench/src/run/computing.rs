@@ -198,7 +198,11 @@ impl Computer {
                         velocity,
                     }
                 }
-                declared => return declared,
+                declared => {
+                    // Who declares stands; what was commanded before is over.
+                    self.held = Held::default();
+                    return declared;
+                }
             }
         }
         Action::Drive(self.held_velocity(now))
@@ -347,6 +351,17 @@ mod tests {
         computer.decide(at(50), Duration::ZERO, forward(0.5));
         assert_eq!(computer.command(at(50)), delivered);
         assert_eq!(computer.command(at(100)), forward(0.5));
+    }
+
+    #[test]
+    fn a_declaration_ends_the_command_before_it() {
+        let mut computer = charged();
+        computer.decide(at(0), Duration::ZERO, forward(0.5));
+        assert_eq!(computer.command(at(0)), forward(0.5));
+        let delivered = Action::Delivered(openbench_core::Address::new("building1", "unit1"));
+        computer.decide(at(50), Duration::ZERO, delivered.clone());
+        assert_eq!(computer.command(at(50)), delivered);
+        assert_eq!(computer.command(at(100)), forward(0.0));
     }
 
     #[test]
