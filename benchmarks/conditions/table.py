@@ -81,6 +81,9 @@ def wilson(successes, trials):
 
 
 def row(conditions, deliveries, plain):
+    # As in results: without deliveries to buildings that the public map lacks or misnames.
+    unmapped = [one for one in deliveries.values() if one.get("on_map", "right") != "right"]
+    deliveries = {key: one for key, one in deliveries.items() if one not in unmapped}
     ones = list(deliveries.values())
     won = [one["success_2m"] for one in ones]
     low, high = wilson(sum(won), len(won))
@@ -101,6 +104,9 @@ def row(conditions, deliveries, plain):
         str(sum(b and not a for a, b in before)),
         ", ".join(f"{count} {name}" for name, count in sorted(causes.items())) or "-",
     ]
+    if unmapped:
+        found = sum(one["success_2m"] for one in unmapped)
+        cells[-1] += f"; of {len(unmapped)} beside the map {found} succeed"
     return "| " + " | ".join(cells) + " |"
 
 

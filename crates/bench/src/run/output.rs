@@ -11,7 +11,7 @@ use crate::score::metrics::{ErrorCounts, RunTotals, summarize};
 use crate::score::results::{ModelTotals, Results};
 use crate::suite::Condition;
 use crate::trace::EpisodeTrace;
-use crate::worlds::Prepared;
+use crate::worlds::{Prepared, split_of};
 
 /// The output of a run.
 #[derive(Debug)]
@@ -94,6 +94,7 @@ impl FinishedRun<'_> {
             suite: prepared.suite.name.clone(),
             agent: record.agent.clone(),
             seed: record.seed,
+            split: split_of(&prepared.suite.world),
             version: record.version.clone(),
             provenance: record.provenance(),
             settings: record.in_force.clone(),

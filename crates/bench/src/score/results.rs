@@ -20,6 +20,7 @@ use crate::error::ResultsError;
 use crate::score::health::HealthSpan;
 use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum};
 use crate::score::provenance::{Provenance, Setting};
+use crate::suite::split::Split;
 use crate::suite::{Conditions, GoalKind, Sensors, TargetSource};
 use crate::trace::{Computing, SmoothnessSum};
 use crate::worlds::DrawnMap;
@@ -37,6 +38,9 @@ pub struct Results {
     pub agent: String,
     /// Seed of all random numbers of the run.
     pub seed: u64,
+    /// What the world may be used for; absent for worlds from files, which nobody has assigned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub split: Option<Split>,
     /// Version of OpenBench.
     pub version: String,
     /// What the results were made from and with.
@@ -533,6 +537,7 @@ pub(crate) mod tests {
             suite: "small".into(),
             agent: "open".into(),
             seed: 7,
+            split: None,
             version: "0.1.0".into(),
             provenance: Provenance::default(),
             settings: BTreeMap::new(),

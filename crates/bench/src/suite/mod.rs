@@ -139,8 +139,7 @@ pub struct Suite {
     /// Sensors in addition to the benchmark's own.
     #[serde(default, skip_serializing_if = "Sensors::none")]
     pub sensors: Sensors,
-    /// What makes runs harder than the paper's: the keys `map`, `start`, `robot`
-    /// and `compute`.
+    /// What makes runs harder than the paper's, a key each: [`Conditions::NAMES`].
     #[serde(flatten)]
     pub conditions: Conditions,
     /// Seed of what the conditions draw for all episodes alike; that of a run takes its place.

@@ -38,6 +38,8 @@ enum Of {
     Singles(Value),
     /// Deliveries in sequences.
     Members(Value),
+    /// Deliveries to buildings that the public map lacks or misnames.
+    Unmapped(Value),
     /// Sequences, with their weighted means.
     Sequences(Value),
     /// All deliveries.
@@ -47,7 +49,7 @@ enum Of {
 }
 
 /// All measures.
-pub(super) const MEASURES: [Measure; 20] = [
+pub(super) const MEASURES: [Measure; 22] = [
     share("srtp", Of::Plans),
     share("sr_10m", Of::Singles(paper_success)),
     share("spl_straight", Of::Singles(paper_ratio)),
@@ -65,6 +67,8 @@ pub(super) const MEASURES: [Measure; 20] = [
     share("member_spl", Of::Members(strict_ratio)),
     share("member_sr_clean", Of::Members(clean_success)),
     share("member_correct_unit", Of::Members(correct_unit)),
+    share("unmapped_sr_2m", Of::Unmapped(strict_success)),
+    share("unmapped_spl", Of::Unmapped(strict_ratio)),
     Measure {
         name: "delivery_collisions",
         unit: Unit::Count,
@@ -121,8 +125,9 @@ impl Measure {
     pub(super) fn values(&self, episode: Episode<'_>) -> Vec<(String, f64)> {
         let is_single = episode.deliveries.len() == 1;
         match self.of {
-            Of::Singles(value) if is_single => by_door_on_map(episode, value),
-            Of::Members(value) if !is_single => by_door_on_map(episode, value),
+            Of::Singles(value) if is_single => by_door_of(episode, value, true),
+            Of::Members(value) if !is_single => by_door_of(episode, value, true),
+            Of::Unmapped(value) => by_door_of(episode, value, false),
             Of::Deliveries(value) => by_door(episode, value),
             Of::Sequences(value) if !is_single => {
                 let values: Vec<f64> = episode.deliveries.iter().map(|d| value(d)).collect();
@@ -147,10 +152,13 @@ fn whole(value: Option<f64>) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// As the metrics of a run: without deliveries to buildings that the public map lacks or misnames.
-fn by_door_on_map(episode: Episode<'_>, value: Value) -> Vec<(String, f64)> {
+/// Deliveries to buildings that the public map has right, or only those to others. The metrics of a
+/// run are of the former.
+fn by_door_of(episode: Episode<'_>, value: Value, on_map: bool) -> Vec<(String, f64)> {
     let deliveries = episode.deliveries.iter().copied();
-    let deliveries: Vec<&DeliveryResult> = deliveries.filter(|d| d.on_map.is_right()).collect();
+    let deliveries: Vec<&DeliveryResult> = deliveries
+        .filter(|d| d.on_map.is_right() == on_map)
+        .collect();
     let deliveries = &deliveries[..];
     by_door(
         Episode {

@@ -268,8 +268,7 @@ impl Placer<'_> {
         let numbered: Vec<usize> = with.iter().map(|home| home.building).collect();
         counts.numbers = self.names.draw_numbers(&numbered, draw.seed);
         for home in with {
-            home.doors.iter().for_each(|door| counts.count(door.face));
-            found.insert(home.building, self.hang(draw.seed, home));
+            found.insert(home.building, self.hang(draw.seed, home, &mut counts));
         }
         counts
     }
@@ -289,8 +288,8 @@ impl Placer<'_> {
         }
     }
 
-    /// Drawn doors with their addresses and the places of their plates.
-    fn hang(&mut self, seed: u64, home: DoorsOfHome) -> Vec<Doorway> {
+    /// Drawn doors with their addresses and the places of their plates, counted.
+    fn hang(&mut self, seed: u64, home: DoorsOfHome, counts: &mut DrawnDoors) -> Vec<Doorway> {
         let building = &self.map.buildings[home.building];
         let number = element_number(building.element);
         // Not by a door, which the number in the public map would give away.
@@ -303,6 +302,7 @@ impl Placer<'_> {
             let Some(unit) = unit.or_else(|| free_unit(&used, &[])) else {
                 continue;
             };
+            counts.count(door.face);
             let place = Place {
                 wall: door.wall,
                 foot: door.at,
