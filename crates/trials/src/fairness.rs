@@ -26,7 +26,11 @@ fn is_read(says: &str, read: &str, may_go_on: bool) -> bool {
     };
     let found = folded(&read);
     let forms = [folded(says), folded(&says.replace('ß', "SS"))];
-    let is_form = |form: &String| found == *form || may_go_on && found.starts_with(form.as_str());
+    // A name begins with a letter: `12` is no reading of `1`.
+    let goes_on = |rest: &str| rest.starts_with(char::is_alphabetic);
+    let is_form = |form: &String| {
+        found == *form || may_go_on && found.strip_prefix(form.as_str()).is_some_and(goes_on)
+    };
     forms.iter().any(is_form)
 }
 

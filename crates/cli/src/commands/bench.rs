@@ -160,7 +160,7 @@ fn table(speed: &SimSpeed) -> String {
          casting alone  {:8.2} million rays a second\n\
          camera         {:8.1} images of 640 x 480 a second\n\
          cheap, by day  {:8.1} the same with noise, blur, rolling shutter and shadows\n\
-         cheap, night   {:8.1} the same at night, with lamps\n\
+         cheap, night   {:8.1} the same at night, with 30 lamps\n\
          with LiDAR     {:8.1} x real time\n\
          and images     {:8.1} x real time, ten a second\n\
          loading        {:8.2} s\n\

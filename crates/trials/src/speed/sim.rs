@@ -31,6 +31,9 @@ const TURNING: Velocity = Velocity {
     linear: 0.2,
     angular: 0.8,
 };
+/// Lamps that light an image: the most that the simulator lets count, in a circle around the robot.
+const LAMPS: u32 = 30;
+const LAMP_DISTANCE_M: f64 = 12.0;
 /// Repetitions of a measurement, of which the fastest counts.
 const REPETITIONS: usize = 5;
 /// Repetitions of a drive, of which the fastest counts.
@@ -60,7 +63,7 @@ pub struct SimSpeed {
     /// The same of a turning robot with noise, motion blur, a rolling shutter, a bent lens with
     /// drops, and the shadows of a drawn sun.
     pub camera_day_fps_per_core: f64,
-    /// The same at night, lit by lamps and without shadows.
+    /// The same at night, lit by 30 lamps and without shadows.
     pub camera_night_fps_per_core: f64,
     /// Real-time factor on one core with physics, IMU, wheels and LiDAR.
     pub rtf_lidar: f64,
@@ -114,8 +117,8 @@ pub fn measure(
         real_lidar_mrays_per_core_second: lidar(seen, &doors, spoiled(&rain)),
         cast_mrays_per_core_second: cast(seen.caster, &doors),
         camera_fps_per_core: camera(&scenery.stage, seen.movers, &doors),
-        camera_day_fps_per_core: scenery.real_camera(&day, &doors)?,
-        camera_night_fps_per_core: scenery.real_camera(&night, &doors)?,
+        camera_day_fps_per_core: scenery.real_camera(&doors, |_| day.clone())?,
+        camera_night_fps_per_core: scenery.real_camera(&doors, |place| lamplit(&night, place))?,
         rtf_lidar: scenery.drive(false)?,
         rtf_camera: scenery.drive(true)?,
         load_seconds,
@@ -162,11 +165,16 @@ impl Scenery {
             .map_err(BenchError::world)
     }
 
-    /// Images per core and second of a robot that turns before doors. Rendering alone counts.
-    fn real_camera(&self, met: &Surroundings, places: &[Pose2]) -> Result<f64, BenchError> {
+    /// Images per core and second of a robot that turns before doors, by what it meets there.
+    /// Rendering alone counts.
+    fn real_camera(
+        &self,
+        places: &[Pose2],
+        met: impl Fn(Pose2) -> Surroundings,
+    ) -> Result<f64, BenchError> {
         let (mut fastest, mut count) = (Duration::ZERO, 0);
         for place in places {
-            let mut simulator = self.simulator_at(*place, met)?;
+            let mut simulator = self.simulator_at(*place, &met(*place))?;
             let mut best = Duration::MAX;
             for _ in 0..REPETITIONS {
                 // Two steps, since the camera takes ten images a second.
@@ -209,10 +217,18 @@ fn hard(world: &World, light: &str, weather: &str) -> Result<Surroundings, Bench
         ("weather", weather),
         ("lidar", "real"),
     ];
-    for (key, level) in levels {
-        conditions.set(key, level).map_err(BenchError::world)?;
-    }
+    conditions.set_all(levels).map_err(BenchError::world)?;
     Ok(surroundings(world, &conditions, 0))
+}
+
+/// The same with so many street lamps around a place that an image is lit by as many as ever are.
+fn lamplit(night: &Surroundings, place: Pose2) -> Surroundings {
+    let mut met = night.clone();
+    met.street_lamps.extend((0..LAMPS).map(|i| {
+        let direction = std::f64::consts::TAU * f64::from(i) / f64::from(LAMPS);
+        place.point().offset(direction, LAMP_DISTANCE_M)
+    }));
+    met
 }
 
 /// Viewpoints in front of doors, facing them, spread over the world.
