@@ -74,6 +74,36 @@ fn computing_costs_time_that_is_recorded_and_repeats() {
 }
 
 #[test]
+fn all_conditions_together_repeat() {
+    let place = place();
+    if !common::can_read(&place) {
+        return;
+    }
+    // A second episode, so that there is something to do for two threads.
+    let (head, episode) = SUITE.split_once("[[episodes]]").unwrap();
+    place.file(
+        "two.toml",
+        format!("{head}[[episodes]]{episode}[[episodes]]{episode}"),
+    );
+    // So near to its true start that it finds a way.
+    let all = "map=city start=5m start.position_m=0.3 start.yaw_deg=2 robot=worn camera=cheap \
+               light=night weather=rain lidar=real doors=drawn plates=real scenery=varied \
+               compute=charged";
+    let conditions: String = all
+        .split_whitespace()
+        .map(|word| format!(" --condition {word}"))
+        .collect();
+    let words = format!("run two.toml --record none --json --seed 1 --jobs 2 --out r{conditions}");
+    let results = place.openbench(&words).succeeded().json();
+    assert_eq!(results["conditions"].as_object().unwrap().len(), 11);
+    // Long enough for images to be read.
+    let seconds = results["deliveries"][0]["sim_seconds"].as_f64().unwrap();
+    assert!(seconds > 60.0, "{seconds}");
+    // One episode after another, while the run had two threads.
+    place.openbench("verify r --agent").succeeded();
+}
+
+#[test]
 fn each_seed_has_a_map_of_its_own() {
     let place = place();
     run(&place, "--condition map=good --seeds 1..2 --out both").succeeded();

@@ -497,21 +497,10 @@ fn drawn_deliveries_follow_the_seed() {
     assert_eq!(first, run(5));
 }
 
-/// Whether the files of the default reader have been pulled; they are not fetched for a test.
-fn can_read(place: &Place) -> bool {
-    let models = place.openbench("models list").stdout;
-    let here = |line: &&str| line.starts_with("ppocr-v4") && !line.contains("not here");
-    let all = models.lines().filter(here).count() >= 2;
-    if !all {
-        common::skipped("the model files of ppocr-v4 are not here");
-    }
-    all
-}
-
 #[test]
 fn the_default_reader_finds_doors_of_a_built_in_world() {
     let place = Place::new();
-    if !can_read(&place) {
+    if !common::can_read(&place) {
         return;
     }
     let suite = include_str!("../../../examples/extensions/two-parcels.toml");
@@ -527,7 +516,7 @@ fn the_default_reader_finds_doors_of_a_built_in_world() {
 #[test]
 fn the_default_reader_finds_a_door_of_the_town() {
     let place = town();
-    if !can_read(&place) {
+    if !common::can_read(&place) {
         return;
     }
     let delivery = only_delivery(&deliver(

@@ -73,3 +73,14 @@ impl Place {
         ran
     }
 }
+
+/// Whether the files of the default reader have been pulled; they are not fetched for a test.
+pub fn can_read(place: &Place) -> bool {
+    let models = place.openbench("models list").stdout;
+    let here = |line: &&str| line.starts_with("ppocr-v4") && !line.contains("not here");
+    let all = models.lines().filter(here).count() >= 2;
+    if !all {
+        skipped("the model files of ppocr-v4 are not here");
+    }
+    all
+}
