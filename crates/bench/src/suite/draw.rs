@@ -110,14 +110,38 @@ impl Draw {
         };
         template
             .replace("{item}", item)
-            .replace("{unit}", unit)
+            .replace("{unit}", &in_words(unit))
             .replace("{building}", &door.building)
+    }
+}
+
+/// A unit as people write it: a letter apart from the word, which alone would be another word.
+fn in_words(unit: &str) -> String {
+    let letters = unit.strip_prefix("unit").unwrap_or_default();
+    let is_letter = !letters.is_empty() && letters.chars().all(|c| c.is_ascii_alphabetic());
+    if is_letter {
+        format!("unit {}", letters.to_ascii_uppercase())
+    } else {
+        unit.to_owned()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn units_with_letters_are_written_apart() {
+        for (unit, words) in [
+            ("unita", "unit A"),
+            ("unit3", "unit3"),
+            ("unit3a", "unit3a"),
+            ("unit", "unit"),
+            ("Atelier", "Atelier"),
+        ] {
+            assert_eq!(in_words(unit), words);
+        }
+    }
 
     fn doors(n: usize) -> Vec<Address> {
         (0..n)
