@@ -141,8 +141,8 @@ impl Simulator {
         simulator
     }
 
-    /// Changes what sensors and tyres meet: faults, another light, wet ground. Before traffic or after
-    /// it, but before the first step.
+    /// Changes what sensors and tyres meet: faults, another light, wet ground. Before traffic or
+    /// after it, but before the first step.
     pub fn in_surroundings(mut self, surroundings: &Surroundings) -> Self {
         let optics = self.robot.camera_intrinsics;
         let camera = surroundings.camera(&optics, self.stage.caster(), self.seed);

@@ -1,5 +1,5 @@
-//! Wrong numbers of buildings: near the right one, and of no other building; with a letter where all
-//! numbers nearby are taken.
+//! Wrong numbers of buildings: near the right one, and of no other building; with a letter where
+//! all numbers nearby are taken.
 
 use std::collections::BTreeSet;
 
