@@ -296,3 +296,12 @@ fn what_makes_no_sense_is_refused() {
     };
     assert!(Environment::new(world, options).is_err());
 }
+
+#[test]
+fn a_suite_that_charges_for_computing_is_refused() {
+    let mut suite = suite_named("small").unwrap();
+    suite.conditions.set("compute", "charged").unwrap();
+    let refused = World::new(suite, &Options::default());
+    let error = refused.err().unwrap().to_string();
+    assert!(error.contains("compute = free"), "{error}");
+}

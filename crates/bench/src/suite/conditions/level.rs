@@ -110,23 +110,27 @@ pub(super) fn changed<C: Condition>(
 /// is not that level's; nothing if it is off.
 pub(super) fn words<C: Condition>(condition: &C) -> Vec<String> {
     let key = C::KEY;
-    let beyond = |(name, level): &(&str, C)| {
-        let mut words = vec![format!("{key}={name}")];
-        words.extend(
-            differences(condition, level)
-                .into_iter()
-                .map(|(name, value)| format!("{key}.{name}={value}")),
-        );
-        words
+    let mut unlike = C::LEVELS
+        .iter()
+        .map(|(name, level)| (*name, differences(condition, level)));
+    let Some(off) = unlike.next() else {
+        return Vec::new();
     };
-    // The first one of those that are equally like it.
-    let mut words = C::LEVELS.iter().map(beyond).min_by_key(Vec::len);
-    let off = format!("{key}={}", C::LEVELS[0].0);
-    if let Some(words) = &mut words {
-        // What is off needs no mention.
-        words.retain(|word| *word != off);
+    // The first one of those that are equally like it; what is off needs no mention.
+    let mut words = Vec::new();
+    let mut numbers = off.1;
+    for (name, others) in unlike {
+        if others.len() < numbers.len() {
+            words = vec![format!("{key}={name}")];
+            numbers = others;
+        }
     }
-    words.unwrap_or_default()
+    words.extend(
+        numbers
+            .into_iter()
+            .map(|(number, value)| format!("{key}.{number}={value}")),
+    );
+    words
 }
 
 /// The numbers in which a condition differs from another one.
