@@ -11,6 +11,7 @@
 //! | [`wheels`] | wheel angles as velocities |
 //! | [`graph`] | pose graphs |
 //! | [`fixes`] | [`FixSource`]: poses in `map` that do not drift; [`Gnss`](fixes::Gnss) |
+//! | [`registration`] | LiDAR scans against the public map |
 //! | `fused` | [`Fused`]: odometry and fixes in a pose graph |
 
 mod dead_reckoning;
@@ -22,6 +23,7 @@ mod history;
 pub mod lidar_inertial;
 pub mod lio;
 mod localizer;
+pub mod registration;
 mod so3;
 pub mod wheels;
 

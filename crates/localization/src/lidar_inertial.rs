@@ -6,6 +6,7 @@ use openbench_core::{Doubt, Health, Observation, Pose2, Pose3, RobotDescription,
 use crate::Localizer;
 use crate::history::History;
 use crate::lio::{ImuNoise, LidarInertialOdometry, LidarNoise, Settings, Status};
+use crate::registration::Track;
 use crate::so3::hat;
 use crate::wheels::Wheels;
 
@@ -23,6 +24,8 @@ pub struct LidarInertial {
     history: History,
     wheels: Wheels,
     last: Option<LastEstimate>,
+    /// The newest pose in `odom`.
+    newest: Pose3,
 }
 
 /// What the odometry said last.
@@ -44,6 +47,7 @@ impl LidarInertial {
             history: History::from(Pose2::default()),
             wheels: Wheels::new(&robot),
             last: None,
+            newest: Pose3::identity(),
             robot,
         }
     }
@@ -72,6 +76,7 @@ impl LidarInertial {
         let ahead = pose.rotation * Vector3::x();
         let yaw = libm::atan2(ahead.y, ahead.x);
         let in_odom = Pose2::new(pose.translation.x, pose.translation.y, yaw);
+        self.newest = *pose;
         self.history.push(stamp, self.start.compose(in_odom));
     }
 
@@ -121,6 +126,21 @@ pub fn sensor_settings(robot: &RobotDescription) -> Settings {
         },
         typical_speed_m_s: robot.max_forward,
         min_range_m: 0.3,
+    }
+}
+
+impl Track for LidarInertial {
+    /// The pose at an instant, with the height and the tilt of the newest pose.
+    fn pose_at(&self, time: SimTime) -> Pose3 {
+        let level = self.history.at(time);
+        let tilt = Pose2::from_pose3(&self.newest)
+            .to_pose3(0.0)
+            .rotation
+            .inverse()
+            * self.newest.rotation;
+        let mut pose = level.to_pose3(self.newest.translation.z);
+        pose.rotation *= tilt;
+        pose
     }
 }
 

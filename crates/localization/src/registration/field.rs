@@ -1,0 +1,207 @@
+//! What each place of the map costs a piece of evidence: negative log-likelihoods as small numbers.
+
+use std::f64::consts::TAU;
+
+use openbench_core::MapPoint;
+use openbench_core::frames::wrap_angle;
+use openbench_geometry::grid::GridGeometry;
+use openbench_geometry::{Bounds, Polygon};
+
+use super::chart::{Chart, Wall};
+
+/// Side of a cell, metres.
+pub const CELL_M: f64 = 1.0;
+/// Evidence farther from the robot is not used, cells.
+pub const MARGIN_CELLS: usize = 62;
+/// Most cells of an area along each side.
+const MOST_PLACES: usize = 1024;
+/// A nat is this many units of cost.
+pub const UNITS_PER_NAT: f64 = 16.0;
+/// Standard deviation of a wall in the map and of where it was seen, metres.
+const WALL_DEVIATION_M: f64 = 1.2;
+/// Directions in which facades face are told apart by so many sectors.
+pub const SECTORS: usize = 8;
+/// A wall counts in a sector whose middle is no farther than this from the direction in which it
+/// faces, radians.
+const FACING_RAD: f64 = 0.8;
+/// Share of the facades seen that are in no map.
+const UNMAPPED: f64 = 0.05;
+/// From this distance on the likelihood hardly changes, metres.
+const TRUNCATION_M: f64 = 4.0 * WALL_DEVIATION_M;
+/// Free ground inside a building costs this many nats for each metre of depth,
+const DEPTH_NATS_PER_M: f64 = 0.3;
+/// up to this depth, metres.
+const MAX_DEPTH_M: f64 = 4.0;
+
+/// Costs around the places of an area.
+#[derive(Debug, Clone)]
+pub struct Field {
+    /// The cells, in the chart's coordinates: those of the area, and those that a robot in it sees.
+    pub grid: GridGeometry,
+    /// Columns of cells in the area.
+    pub columns: usize,
+    /// Rows of cells in the area.
+    pub rows: usize,
+    /// Of a facade that is seen there, by the sector in which it faces.
+    pub facade: [Vec<u16>; SECTORS],
+    /// Of free ground that is seen there.
+    pub free: Vec<u16>,
+    /// Metres inside a building; zero outside.
+    pub depth: Vec<f32>,
+}
+
+impl Field {
+    /// The costs over an area. One that is more than 1024 m wide or high is cut off there.
+    pub fn over(chart: &Chart, area: Bounds) -> Self {
+        let places = GridGeometry::covering(area.low, area.high, CELL_M, MOST_PLACES);
+        let margin = MARGIN_CELLS as f64 * CELL_M;
+        let grid = GridGeometry {
+            origin: MapPoint::new(area.low.x - margin, area.low.y - margin),
+            width: places.width + 2 * MARGIN_CELLS,
+            height: places.height + 2 * MARGIN_CELLS,
+            cell: CELL_M,
+        };
+        let mut field = Self {
+            columns: places.width,
+            rows: places.height,
+            facade: std::array::from_fn(|_| vec![wall_cost(f64::INFINITY); grid.len()]),
+            free: Vec::new(),
+            depth: vec![0.0; grid.len()],
+            grid,
+        };
+        let mut distance = vec![f32::MAX; grid.len()];
+        for wall in &chart.walls {
+            field.add_wall(wall, &mut distance);
+        }
+        for outline in &chart.outlines {
+            field.add_depth(outline, &distance);
+        }
+        let depths = field.depth.iter().map(|depth| f64::from(*depth));
+        field.free = depths.map(depth_cost).collect();
+        field
+    }
+
+    /// The middle of a place of the area.
+    pub fn place(&self, column: usize, row: usize) -> MapPoint {
+        let cell = (row + MARGIN_CELLS) * self.grid.width + column + MARGIN_CELLS;
+        self.grid.center(cell)
+    }
+
+    /// Metres that a place of the area is inside a building; zero outside.
+    pub fn depth_at(&self, column: usize, row: usize) -> f32 {
+        self.depth[(row + MARGIN_CELLS) * self.grid.width + column + MARGIN_CELLS]
+    }
+
+    fn add_wall(&mut self, wall: &Wall, distance: &mut [f32]) {
+        let outward = wall.segment.outward();
+        let is_near = |i: &usize| wrap_angle(outward - sector_middle(*i)).abs() < FACING_RAD;
+        let sectors: Vec<usize> = (0..SECTORS).filter(is_near).collect();
+        let (a, b) = (wall.segment.start, wall.segment.end);
+        let reach = TRUNCATION_M;
+        let low = MapPoint::new(a.x.min(b.x) - reach, a.y.min(b.y) - reach);
+        let high = MapPoint::new(a.x.max(b.x) + reach, a.y.max(b.y) + reach);
+        for cell in self.grid.cells_between(low, high) {
+            let away = wall.segment.distance_to_point(self.grid.center(cell));
+            distance[cell] = distance[cell].min(away as f32);
+            let cost = wall_cost(away);
+            for sector in &sectors {
+                let least = &mut self.facade[*sector][cell];
+                *least = cost.min(*least);
+            }
+        }
+    }
+
+    /// Writes how deep cells are inside an outline.
+    fn add_depth(&mut self, outline: &Polygon, distance: &[f32]) {
+        let bounds = outline.bounds();
+        for cell in self.grid.cells_between(bounds.low, bounds.high) {
+            if outline.contains(self.grid.center(cell)) {
+                self.depth[cell] = distance[cell].min(TRUNCATION_M as f32);
+            }
+        }
+    }
+}
+
+/// The direction in the middle of a sector, radians.
+fn sector_middle(sector: usize) -> f64 {
+    sector as f64 * TAU / SECTORS as f64
+}
+
+/// The sector that a direction belongs to.
+pub fn sector(direction: f64) -> usize {
+    ((direction.rem_euclid(TAU) / TAU * SECTORS as f64).round() as usize) % SECTORS
+}
+
+/// Cost of a facade at a distance from the nearest wall of the map: the negative log-likelihood,
+/// less that at a wall.
+fn wall_cost(distance: f64) -> u16 {
+    let z = distance / WALL_DEVIATION_M;
+    units(-libm::log(
+        (1.0 - UNMAPPED) * libm::exp(-0.5 * z * z) + UNMAPPED,
+    ))
+}
+
+/// Cost of free ground inside a building.
+fn depth_cost(depth: f64) -> u16 {
+    units(depth.min(MAX_DEPTH_M) * DEPTH_NATS_PER_M)
+}
+
+fn units(nats: f64) -> u16 {
+    (nats * UNITS_PER_NAT).round() as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::town::{block, chart};
+    use super::*;
+
+    fn square(half: f64) -> Bounds {
+        Bounds {
+            low: MapPoint::new(-half, -half),
+            high: MapPoint::new(half, half),
+        }
+    }
+
+    #[test]
+    fn a_facade_costs_nothing_at_a_wall_that_faces_the_same_way() {
+        let field = Field::over(&chart(&[block(0.0, 0.0, 10.0, 8.0)]), square(30.0));
+        let cost = |x, y, facing| {
+            let cell = field.grid.cell_at(MapPoint::new(x, y)).unwrap();
+            field.facade[sector(facing)][cell]
+        };
+        // The south wall lies along y = -4 and faces south.
+        let south = -std::f64::consts::FRAC_PI_2;
+        assert!(cost(0.5, -4.5, south) <= 3, "{}", cost(0.5, -4.5, south));
+        let most = wall_cost(f64::INFINITY);
+        assert_eq!(
+            cost(0.5, -4.5, -south),
+            most,
+            "the wall faces the other way"
+        );
+        assert_eq!(cost(0.5, -15.5, south), most, "no wall is near");
+        assert!(cost(0.5, -6.5, south) > 10 && cost(0.5, -6.5, south) < most);
+    }
+
+    #[test]
+    fn free_ground_costs_more_the_deeper_it_lies_in_a_building() {
+        let field = Field::over(&chart(&[block(0.0, 0.0, 20.0, 20.0)]), square(30.0));
+        let cost = |x, y| field.free[field.grid.cell_at(MapPoint::new(x, y)).unwrap()];
+        assert_eq!(cost(-12.5, 0.5), 0);
+        assert!(cost(-9.5, 0.5) < cost(-7.5, 0.5));
+        assert_eq!(cost(-2.5, 0.5), cost(0.5, 0.5), "the cost is bounded");
+    }
+
+    #[test]
+    fn without_buildings_all_places_are_alike() {
+        let field = Field::over(&Chart::default(), square(10.0));
+        assert_eq!((field.columns, field.rows), (20, 20));
+        assert!(field.free.iter().all(|cost| *cost == 0));
+        assert!(
+            field
+                .facade
+                .iter()
+                .flatten()
+                .all(|cost| *cost == field.facade[0][0])
+        );
+    }
+}

@@ -1,0 +1,65 @@
+//! Registration of LiDAR scans to the public map: where the robot is, from the buildings around it.
+//!
+//! ```
+//! use std::f64::consts::PI;
+//!
+//! use openbench_core::MapPoint;
+//! use openbench_geometry::Bounds;
+//! use openbench_localization::registration::field::Field;
+//! use openbench_localization::registration::modes::modes;
+//! use openbench_localization::registration::vote::{Evidence, Headings};
+//! use openbench_localization::registration::{Chart, Facade, Submap};
+//! use openbench_osm::{OsmData, OsmMap};
+//!
+//! // A house of 20 m by 10 m.
+//! let xml = r#"<osm version="0.6">
+//!   <node id="1" lat="0.0" lon="0.0"/><node id="2" lat="0.0" lon="0.00018"/>
+//!   <node id="3" lat="0.00009" lon="0.00018"/><node id="4" lat="0.00009" lon="0.0"/>
+//!   <way id="5"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
+//!     <tag k="building" v="house"/></way></osm>"#;
+//! let map = OsmMap::new(&OsmData::from_xml(xml.as_bytes())?, "utm:31N,0,0".parse()?);
+//! let corner = map.buildings[0].polygon.outer[0];
+//! let chart = Chart::around(&map, corner, 100.0);
+//!
+//! // A robot sees a wall of 20 m ahead, and the wall of 10 m to the left of its left end.
+//! let piece = |x, y, facing| Facade { at: MapPoint::new(x, y), facing, views: 1 };
+//! let along = |i| 0.5 * f64::from(i);
+//! let ahead = (0..40).map(|i| piece(6.0, along(i) - 9.75, PI));
+//! let beside = (0..20).map(|i| piece(along(i) + 6.25, 10.0, PI / 2.0));
+//! let seen = Submap { facades: ahead.chain(beside).collect(), panoramas: Vec::new() };
+//!
+//! let half = 40.0;
+//! let area = Bounds { low: MapPoint::new(-half, -half), high: MapPoint::new(half, half) };
+//! let votes = modes(&Field::over(&chart, area), &Evidence::of(&seen), &Headings::ALL, 5);
+//! // A rectangle looks the same from its opposite sides: two poses cost the least.
+//! let gap = |i: usize| votes.modes[i].cost - votes.modes[0].cost;
+//! assert!(gap(1) < 0.1 * gap(2), "{:?}", votes.modes);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | module | job |
+//! |---|---|
+//! | [`chart`] | the map: walls that can be seen, outlines |
+//! | `columns` | returns over each half metre of ground; which of them are facades |
+//! | [`stretch`] | facades and free ground seen on a few metres of the way |
+//! | [`submap`] | several stretches as one |
+//! | [`field`] | what each place of the map costs a piece of evidence |
+//! | [`mod@vote`] | the cost of every pose in an area |
+//! | [`mod@modes`] | the best of these poses |
+//! | [`mod@refine`] | a pose made exact, with an offset of each building |
+
+pub mod chart;
+mod columns;
+pub mod field;
+pub mod modes;
+pub mod refine;
+pub mod stretch;
+pub mod submap;
+#[cfg(test)]
+mod town;
+pub mod vote;
+
+pub use chart::Chart;
+pub use columns::Facade;
+pub use stretch::{Gatherer, Stretch, Track};
+pub use submap::Submap;

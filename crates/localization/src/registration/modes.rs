@@ -1,0 +1,161 @@
+//! The best poses of a vote, and how much of the posterior each has.
+
+use openbench_core::Pose2;
+use openbench_core::frames::wrap_angle;
+
+use super::field::{Field, UNITS_PER_NAT};
+use super::vote::{Evidence, Headings, vote};
+
+/// Modes nearer than this are one, metres,
+const SAME_M: f64 = 4.0;
+/// if their headings differ less than this, radians.
+const SAME_RAD: f64 = 0.35;
+/// Modes that cost more than the best by so many units are of no interest.
+const MARGIN: u16 = 2000;
+/// Most candidates that are kept while voting.
+const MOST_CANDIDATES: usize = 4000;
+/// A robot stands at most so deep in a building of the map, metres.
+const MAX_DEPTH_M: f32 = 2.0;
+
+/// A pose that is better than those around it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mode {
+    /// The pose, in the chart's coordinates.
+    pub pose: Pose2,
+    /// What it costs, nats.
+    pub cost: f64,
+}
+
+/// What a vote says.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Votes {
+    /// The best modes, best first.
+    pub modes: Vec<Mode>,
+    /// Number of poses by cost, in units.
+    pub histogram: Vec<u32>,
+}
+
+/// The best `most` modes of the places of a field's area and of headings.
+pub fn modes(field: &Field, evidence: &Evidence, headings: &Headings, most: usize) -> Votes {
+    let places = 0..field.columns * field.rows;
+    let column_row = |place: usize| (place % field.columns, place / field.columns);
+    let allowed: Vec<bool> = places
+        .map(|place| {
+            let (column, row) = column_row(place);
+            field.depth_at(column, row) <= MAX_DEPTH_M
+        })
+        .collect();
+    let mut histogram = vec![0_u32; usize::from(u16::MAX) + 1];
+    let mut best = u16::MAX;
+    let mut candidates: Vec<Mode> = Vec::new();
+    vote(field, evidence, headings, &mut |slice| {
+        for (place, cost) in slice.costs.iter().enumerate().filter(|(i, _)| allowed[*i]) {
+            histogram[usize::from(*cost)] += 1;
+            best = best.min(*cost);
+            let (column, row) = column_row(place);
+            if *cost <= best.saturating_add(MARGIN)
+                && is_least_around(slice.costs, field.columns, column, row)
+            {
+                let at = field.place(column, row);
+                candidates.push(Mode {
+                    pose: Pose2::new(at.x, at.y, wrap_angle(slice.yaw)),
+                    cost: f64::from(*cost) / UNITS_PER_NAT,
+                });
+            }
+        }
+        if candidates.len() > MOST_CANDIDATES {
+            candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            candidates.truncate(MOST_CANDIDATES / 2);
+        }
+    });
+    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    Votes {
+        modes: distinct(&candidates, most),
+        histogram,
+    }
+}
+
+/// The first candidates that are not near a better one.
+fn distinct(candidates: &[Mode], most: usize) -> Vec<Mode> {
+    let mut modes: Vec<Mode> = Vec::new();
+    for candidate in candidates {
+        if modes.len() == most {
+            break;
+        }
+        if !modes.iter().any(|mode| is_same(mode.pose, candidate.pose)) {
+            modes.push(*candidate);
+        }
+    }
+    modes
+}
+
+fn is_same(a: Pose2, b: Pose2) -> bool {
+    a.point().distance(b.point()) < SAME_M && wrap_angle(a.yaw - b.yaw).abs() < SAME_RAD
+}
+
+/// Whether no place beside it with the same heading is better.
+fn is_least_around(costs: &[u16], columns: usize, column: usize, row: usize) -> bool {
+    let cost = costs[row * columns + column];
+    let rows = costs.chunks_exact(columns).skip(row.saturating_sub(1));
+    let near = column.saturating_sub(1)..(column + 2).min(columns);
+    rows.take(if row == 0 { 2 } else { 3 })
+        .all(|row| row[near.clone()].iter().all(|other| *other >= cost))
+}
+
+#[cfg(test)]
+mod tests {
+    use openbench_core::MapPoint;
+    use openbench_geometry::Bounds;
+    use proptest::prelude::*;
+
+    use super::super::submap::Submap;
+    use super::super::town::{block, chart, stretch_at, town};
+    use super::*;
+
+    /// The modes of what is seen from a pose, all headings, 30 m about the middle of the town.
+    fn voted(houses: &[openbench_geometry::Polygon], pose: Pose2) -> Vec<Mode> {
+        let submap = Submap::of(&[stretch_at(houses, pose)]);
+        let field = Field::over(&chart(houses), square(30.0));
+        modes(&field, &Evidence::of(&submap), &Headings::ALL, 3).modes
+    }
+
+    fn square(half: f64) -> Bounds {
+        Bounds {
+            low: MapPoint::new(-half, -half),
+            high: MapPoint::new(half, half),
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        #[test]
+        fn the_best_pose_is_where_the_robot_is(
+            x in -20.0..20.0_f64, y in -6.0..6.0_f64, yaw in -3.1..3.1_f64,
+        ) {
+            let modes = voted(&town(), Pose2::new(x, y, yaw));
+            let best = modes[0].pose;
+            prop_assert!(best.point().distance(MapPoint::new(x, y)) < 1.5, "{modes:?}");
+            prop_assert!(wrap_angle(best.yaw - yaw).abs() < 0.1, "{modes:?}");
+        }
+    }
+
+    #[test]
+    fn equal_houses_give_modes_that_cost_the_same() {
+        // Two rows of four, each as the other.
+        let row = |y: f64| (0..4).map(move |i| block(f64::from(i) * 14.0 - 21.0, y, 8.0, 8.0));
+        let houses: Vec<_> = row(-10.0).chain(row(10.0)).collect();
+        let modes = voted(&houses, Pose2::new(0.0, 0.0, 0.0));
+        let gap = modes[1].cost - modes[0].cost;
+        assert!(gap < 2.0, "{modes:?}");
+    }
+
+    #[test]
+    fn a_submap_of_nothing_prefers_no_pose() {
+        let field = Field::over(&chart(&town()), square(5.0));
+        let nothing = Evidence::of(&Submap::default());
+        let votes = modes(&field, &nothing, &Headings::ALL, 9);
+        assert!(votes.modes.iter().all(|mode| mode.cost == 0.0));
+        assert_eq!(votes.histogram[0], votes.histogram.iter().sum::<u32>());
+    }
+}

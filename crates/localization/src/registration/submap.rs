@@ -1,0 +1,120 @@
+//! The last metres of the way as evidence about where the robot is.
+
+use openbench_core::frames::wrap_angle;
+use openbench_core::{MapPoint, Pose2};
+
+use super::columns::{CELL_M, Facade};
+use super::stretch::{Panorama, Stretch};
+
+/// Stretches, in the frame of the robot at the end of the newest.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Submap {
+    /// Pieces of facades, one for each half metre.
+    pub facades: Vec<Facade>,
+    /// What was free.
+    pub panoramas: Vec<Panorama>,
+}
+
+impl Submap {
+    /// Joins stretches; the last one is the newest.
+    pub fn of(stretches: &[Stretch]) -> Self {
+        let Some(newest) = stretches.last() else {
+            return Self::default();
+        };
+        let mut submap = Self::default();
+        for stretch in stretches {
+            let moved = |facade: &Facade| Facade {
+                at: within(newest.end, facade.at),
+                facing: wrap_angle(facade.facing - newest.end.yaw),
+                ..*facade
+            };
+            submap.facades.extend(stretch.facades.iter().map(moved));
+            let turned = |panorama: &Panorama| turned(newest.end, panorama);
+            submap
+                .panoramas
+                .extend(stretch.panoramas.iter().map(turned));
+        }
+        submap.facades = joined(submap.facades);
+        submap
+    }
+}
+
+fn within(frame: Pose2, point: MapPoint) -> MapPoint {
+    let (x, y) = frame.inverse_transform(point);
+    MapPoint::new(x, y)
+}
+
+/// A panorama in another frame. Directions are rounded to whole ones.
+fn turned(frame: Pose2, panorama: &Panorama) -> Panorama {
+    let count = panorama.free.len();
+    let steps = (frame.yaw.rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU * count as f64)
+        .round() as usize;
+    Panorama {
+        from: within(frame, panorama.from),
+        free: (0..count)
+            .map(|i| panorama.free[(i + steps) % count])
+            .collect(),
+    }
+}
+
+/// Facades of the same half metre as one, which has their views together.
+fn joined(mut facades: Vec<Facade>) -> Vec<Facade> {
+    let cell = |facade: &Facade| {
+        let index = |value: f64| (value / CELL_M).floor() as i64;
+        (index(facade.at.y), index(facade.at.x))
+    };
+    facades.sort_by_key(cell);
+    facades
+        .chunk_by(|a, b| cell(a) == cell(b))
+        .map(|same| {
+            let n = same.len() as f64;
+            let x = same.iter().map(|one| one.at.x).sum::<f64>() / n;
+            let y = same.iter().map(|one| one.at.y).sum::<f64>() / n;
+            let best = same.iter().max_by_key(|one| one.views).unwrap_or(&same[0]);
+            Facade {
+                at: MapPoint::new(x, y),
+                facing: best.facing,
+                views: same
+                    .iter()
+                    .fold(0, |sum: u8, one| sum.saturating_add(one.views)),
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::town::{stretch_at, town};
+    use super::*;
+
+    #[test]
+    fn stretches_from_two_places_show_the_same_walls() {
+        let here = Pose2::new(2.0, 1.0, 0.5);
+        let first = stretch_at(&town(), Pose2::default());
+        // The second stretch begins its own `odom`; here both have one.
+        let mut second = stretch_at(&town(), here);
+        for facade in &mut second.facades {
+            facade.at = here.transform(facade.at.x, facade.at.y);
+            facade.facing += here.yaw;
+        }
+        second.end = here;
+        let alone = Submap::of(std::slice::from_ref(&second));
+        let both = Submap::of(&[first, second]);
+        assert!(both.facades.len() > alone.facades.len());
+        assert_eq!(both.panoramas.len(), 2);
+        let again = both
+            .facades
+            .iter()
+            .filter(|facade| facade.views == 2)
+            .count();
+        assert!(again > 20, "{again} pieces were seen twice");
+        // The robot is the origin, at the end of the newest.
+        let (x, y) = here.inverse_transform(MapPoint::default());
+        assert!(both.panoramas[0].from.distance(MapPoint::new(x, y)) < 1e-9);
+    }
+
+    #[test]
+    fn no_stretches_make_an_empty_submap() {
+        assert_eq!(Submap::of(&[]), Submap::default());
+    }
+}

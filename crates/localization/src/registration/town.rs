@@ -1,0 +1,102 @@
+//! A town for tests, and a LiDAR in it.
+
+use std::f64::consts::TAU;
+
+use openbench_core::{LidarPoint, LidarScan, MapPoint, Pose2, Pose3, SimTime};
+use openbench_geometry::{Polygon, Segment};
+
+use super::chart::{Chart, Wall};
+use super::stretch::{Gatherer, Stretch, Track};
+
+/// Height of all houses, metres.
+const HEIGHT_M: f64 = 6.0;
+/// Where the LiDAR is on the robot, metres above the ground.
+const SENSOR_M: f64 = 0.3;
+
+/// A house about a point.
+pub(super) fn block(x: f64, y: f64, width: f64, depth: f64) -> Polygon {
+    let (w, d) = (width / 2.0, depth / 2.0);
+    let corners = [(-w, -d), (w, -d), (w, d), (-w, d)];
+    let outline = corners.map(|(dx, dy)| MapPoint::new(x + dx, y + dy));
+    Polygon::new(outline.to_vec(), Vec::new()).unwrap()
+}
+
+/// Houses that differ enough to be told apart.
+pub(super) fn town() -> Vec<Polygon> {
+    vec![
+        block(-20.0, 14.0, 12.0, 9.0),
+        block(-3.0, 16.0, 9.0, 14.0),
+        block(15.0, 13.0, 16.0, 8.0),
+        block(-17.0, -13.0, 18.0, 7.0),
+        block(4.0, -15.0, 8.0, 12.0),
+        block(24.0, -12.0, 14.0, 10.0),
+        block(40.0, 5.0, 8.0, 20.0),
+    ]
+}
+
+/// A chart of houses that stand apart from each other.
+pub(super) fn chart(houses: &[Polygon]) -> Chart {
+    let walls = houses
+        .iter()
+        .enumerate()
+        .flat_map(|(building, house)| house.sides().map(move |segment| Wall { segment, building }));
+    Chart {
+        origin: MapPoint::default(),
+        walls: walls.collect(),
+        outlines: houses.to_vec(),
+        buildings: (0..houses.len()).collect(),
+    }
+}
+
+/// A robot that stands.
+pub(super) struct Still(pub(super) Pose2);
+
+impl Track for Still {
+    fn pose_at(&self, _: SimTime) -> Pose3 {
+        self.0.to_pose3(0.0)
+    }
+}
+
+/// A scan of houses and level ground.
+pub(super) fn scan(houses: &[Polygon], pose: Pose2, stamp: SimTime) -> LidarScan {
+    let walls: Vec<Segment> = houses.iter().flat_map(Polygon::sides).collect();
+    let mut points = Vec::new();
+    for i in 0..900 {
+        let azimuth = f64::from(i) * TAU / 900.0;
+        let end = pose.transform(80.0 * libm::cos(azimuth), 80.0 * libm::sin(azimuth));
+        let ray = Segment::new(pose.point(), end);
+        let shares = walls.iter().filter_map(|wall| ray.crossing(*wall));
+        let nearest = shares.map(|crossing| crossing.share).fold(1.0, f64::min) * 80.0;
+        for j in -7..40 {
+            let slope = libm::tan(f64::from(j).to_radians());
+            let to_ground = if slope < 0.0 {
+                -SENSOR_M / slope
+            } else {
+                f64::MAX
+            };
+            let range = nearest.min(to_ground);
+            let height = SENSOR_M + range * slope;
+            if range < 45.0 && height < HEIGHT_M {
+                let xyz = [
+                    range * libm::cos(azimuth),
+                    range * libm::sin(azimuth),
+                    height - SENSOR_M,
+                ];
+                points.push(LidarPoint {
+                    xyz: xyz.map(|value| value as f32),
+                    offset_ns: 0,
+                    reflectivity: 0,
+                    line: 0,
+                });
+            }
+        }
+    }
+    LidarScan { stamp, points }
+}
+
+/// What a robot sees from a pose, in an `odom` that begins there.
+pub(super) fn stretch_at(houses: &[Polygon], pose: Pose2) -> Stretch {
+    let mut gatherer = Gatherer::new(Pose3::translation(0.0, 0.0, SENSOR_M));
+    gatherer.take(&scan(houses, pose, SimTime::ZERO), &Still(Pose2::default()));
+    gatherer.unfinished().unwrap()
+}
