@@ -39,6 +39,13 @@ fn what_is_drawn_is_in_the_results_and_verified() {
     assert_eq!(drawn["buildings"], 3);
     assert!(drawn["building_shift_m"].as_f64().unwrap() > 0.1, "{drawn}");
     assert!(drawn["frame"]["x"].as_f64().unwrap() != 0.0, "{drawn}");
+    // The public map has an origin of its own, whole metres away.
+    let moved = |axis: &str| {
+        let public = results["public_frame"][axis].as_f64().unwrap();
+        public - drawn["frame"][axis].as_f64().unwrap()
+    };
+    assert!(moved("x") != 0.0 && (moved("x") - moved("x").round()).abs() < 1e-6);
+    assert_eq!(moved("yaw"), 0.0);
     let told = &results["episodes"][0]["start"]["pose"];
     assert_eq!(told["covariance"][0][0], 25.0, "{told}");
     // The world is the right one still.

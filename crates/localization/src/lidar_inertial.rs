@@ -130,8 +130,9 @@ pub fn sensor_settings(robot: &RobotDescription) -> Settings {
 }
 
 impl Track for LidarInertial {
-    /// The pose at an instant, with the height and the tilt of the newest pose.
-    fn pose_at(&self, time: SimTime) -> Pose3 {
+    /// The pose at an instant, with the height and the tilt of the newest pose, in the frame in
+    /// which the start was given.
+    fn pose3_at(&self, time: SimTime) -> Pose3 {
         let level = self.history.at(time);
         let tilt = Pose2::from_pose3(&self.newest)
             .to_pose3(0.0)

@@ -104,6 +104,7 @@ impl FinishedRun<'_> {
             sensors: prepared.suite.sensors,
             conditions: prepared.suite.conditions,
             drawn_map: prepared.on_map().drawn(),
+            public_frame: prepared.on_map().frame(),
             drawn_robot: drawn(prepared),
             drawn_lens: drawn_lens(prepared),
             drawn_light: prepared.surroundings.light,

@@ -7,7 +7,9 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use openbench_core::{Address, FailureCause, Fallback, MapPoint, ModelUse, Start, Work, input};
+use openbench_core::{
+    Address, FailureCause, Fallback, MapPoint, ModelUse, Pose2, Start, Work, input,
+};
 use openbench_osm::disturb::MapState;
 use openbench_scene::DrawnDoors;
 use openbench_scene::plates::DrawnPlates;
@@ -67,6 +69,9 @@ pub struct Results {
     /// What was drawn for the public map; absent if it is right.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_map: Option<DrawnMap>,
+    /// Pose of the world's `map` frame in that of the public map; absent if they are the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub public_frame: Option<Pose2>,
     /// How the robot differed from its description; absent if it did not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_robot: Option<Defects>,
@@ -547,6 +552,7 @@ pub(crate) mod tests {
             sensors: Sensors::default(),
             conditions: Conditions::default(),
             drawn_map: None,
+            public_frame: None,
             drawn_robot: None,
             drawn_lens: None,
             drawn_light: None,

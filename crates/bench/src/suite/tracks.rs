@@ -38,7 +38,7 @@ pub const TRACKS: [Track; 3] = [
     },
     Track {
         name: "street",
-        about: "a day in a street: the map of a city, a start within 5 m, real plates, streets \
+        about: "a day in a street: the map of a city, a start off by 5 m, real plates, streets \
                 that differ, ten people, five cars, computing takes time",
         conditions: &[
             ("map", "city"),

@@ -42,11 +42,21 @@ impl Chart {
             origin: centre,
             ..Self::default()
         };
+        let reach = MapPoint::new(radius, radius);
+        let area = Bounds {
+            low: MapPoint::new(centre.x - reach.x, centre.y - reach.y),
+            high: MapPoint::new(centre.x + reach.x, centre.y + reach.y),
+        };
         let near = map.buildings_within(centre, radius);
         for index in near.into_iter().filter(|i| has_walls(&map.buildings[*i])) {
             let building = chart.outlines.len();
             let outline = &map.buildings[index].polygon;
-            for side in outline.sides() {
+            // Only what is near: a side may be hundreds of kilometres long.
+            let sides = outline.sides().filter_map(|side| {
+                let inside = area.clip(side)?;
+                Some(side.part(inside.start, inside.end))
+            });
+            for side in sides {
                 for part in seen_parts(map, side) {
                     let segment = moved(part, centre);
                     chart.walls.push(Wall { segment, building });
@@ -67,8 +77,17 @@ impl Chart {
 
 /// Whether a building has walls down to the ground.
 fn has_walls(building: &Building) -> bool {
-    let kind = building.tags.get("building").unwrap_or_default();
-    !matches!(kind, "roof" | "carport" | "canopy" | "no" | "bridge")
+    let tag = |key| building.tags.get(key).unwrap_or_default();
+    let is_roof = matches!(
+        tag("building"),
+        "roof" | "carport" | "canopy" | "no" | "bridge"
+    );
+    let is_raised = ["min_height", "building:min_level"].iter().any(|key| {
+        tag(key)
+            .trim_start()
+            .starts_with(|c: char| ('1'..='9').contains(&c))
+    });
+    !is_roof && !is_raised
 }
 
 /// The parts of a wall with no building in front of them.

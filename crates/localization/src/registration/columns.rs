@@ -7,14 +7,19 @@ use openbench_geometry::grid::GridGeometry;
 /// Side of a column, metres.
 pub(super) const CELL_M: f64 = 0.5;
 /// Columns reach so far from where the stretch began, metres.
-pub(super) const REACH_M: f64 = 55.0;
-/// Returns between these heights are of things that a robot runs into, metres.
+const REACH_M: f64 = 55.0;
+/// The ground under a column is the lowest return within so many columns of it: slopes are no
+/// obstacles.
+const GROUND_CELLS: i64 = 2;
+/// Returns between these heights above the ground are of things that a robot runs into, metres.
 const BODY_M: std::ops::Range<f32> = 0.3..2.5;
-/// A column with this many of them is occupied.
-const OCCUPIED: u32 = 3;
+/// A column is occupied by so many of them,
+const OCCUPIED_RETURNS: u32 = 3;
+/// from so many scans: drops of rain and passers-by are gone by the next one.
+const OCCUPIED_SCANS: u16 = 2;
 /// A facade has this many returns in a column,
 const FACADE_RETURNS: u32 = 4;
-/// reaches higher than this above the ground where the robot is, metres,
+/// reaches higher than this above the ground, metres,
 const FACADE_TOP_M: f32 = 2.2;
 /// over at least this height, metres,
 const FACADE_SPAN_M: f32 = 1.0;
@@ -23,26 +28,37 @@ const FACADE_THICKNESS_M: f64 = 0.14;
 /// but longer, likewise.
 const FACADE_LENGTH_M: f64 = 0.22;
 
-/// Returns over a square of ground.
+/// A return.
+#[derive(Debug, Clone, Copy)]
+struct Return {
+    cell: u32,
+    /// Above the robot's ground, metres.
+    height: f32,
+    scan: u16,
+}
+
+/// All returns over a square of ground.
 #[derive(Debug, Clone, Copy)]
 struct Column {
     returns: u32,
-    body: u32,
     low: f32,
     high: f32,
+    /// Of the places from which it was seen.
     views: u8,
     last_view: u16,
+    /// Sum of the directions towards the sensor.
+    towards: [f32; 2],
     /// Sums over the returns, from the column's middle: x, y, xx, xy, yy.
     sums: [f32; 5],
 }
 
 const EMPTY: Column = Column {
     returns: 0,
-    body: 0,
     low: f32::INFINITY,
     high: f32::NEG_INFINITY,
     views: 0,
     last_view: u16::MAX,
+    towards: [0.0; 2],
     sums: [0.0; 5],
 };
 
@@ -57,11 +73,40 @@ pub struct Facade {
     pub views: u8,
 }
 
-/// All columns of a stretch.
+/// When and from where a return was measured.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sight {
+    /// Number of the scan.
+    pub(super) scan: u16,
+    /// Number of the place.
+    pub(super) view: u16,
+    /// Where the sensor was.
+    pub(super) from: MapPoint,
+}
+
+/// Returns of a stretch.
 #[derive(Debug, Clone)]
 pub(super) struct Columns {
     grid: GridGeometry,
     columns: Vec<Column>,
+    returns: Vec<Return>,
+}
+
+/// What the returns of a stretch show.
+#[derive(Debug, Clone)]
+pub(super) struct Surveyed {
+    grid: GridGeometry,
+    occupied: Vec<bool>,
+    pub(super) facades: Vec<Facade>,
+}
+
+impl Surveyed {
+    /// Whether something stands there.
+    pub(super) fn is_occupied(&self, at: MapPoint) -> bool {
+        self.grid
+            .cell_at(at)
+            .is_some_and(|cell| self.occupied[cell])
+    }
 }
 
 impl Columns {
@@ -75,54 +120,108 @@ impl Columns {
         };
         Self {
             columns: vec![EMPTY; grid.len()],
+            returns: Vec::new(),
             grid,
         }
     }
 
     /// Takes in a return at a height above the ground where the robot is.
-    pub(super) fn add(&mut self, at: MapPoint, height: f32, view: u16) {
-        let Some(cell) = self.grid.cell_at(at) else {
+    pub(super) fn add(&mut self, at: MapPoint, height: f32, sight: &Sight) {
+        let Some(cell) = self.grid.cell_at(at).filter(|_| height.is_finite()) else {
             return;
         };
+        self.returns.push(Return {
+            cell: cell as u32,
+            height,
+            scan: sight.scan,
+        });
         let middle = self.grid.center(cell);
         let (x, y) = ((at.x - middle.x) as f32, (at.y - middle.y) as f32);
         let column = &mut self.columns[cell];
         column.returns += 1;
-        column.body += u32::from(BODY_M.contains(&height));
         column.low = column.low.min(height);
         column.high = column.high.max(height);
-        if column.last_view != view {
-            column.last_view = view;
+        if column.last_view != sight.view {
+            column.last_view = sight.view;
             column.views = column.views.saturating_add(1);
         }
+        column.towards[0] += (sight.from.x - at.x) as f32;
+        column.towards[1] += (sight.from.y - at.y) as f32;
         for (sum, value) in column.sums.iter_mut().zip([x, y, x * x, x * y, y * y]) {
             *sum += value;
         }
     }
 
-    /// Whether something stands there.
-    pub(super) fn is_occupied(&self, at: MapPoint) -> bool {
-        self.grid
-            .cell_at(at)
-            .is_some_and(|cell| self.columns[cell].body >= OCCUPIED)
-    }
-
-    /// The pieces of facades, as seen from about there.
-    pub(super) fn facades(&self, seen_from: MapPoint) -> Vec<Facade> {
+    /// What all returns together show.
+    pub(super) fn survey(&self) -> Surveyed {
+        let ground = self.ground();
         let cells = 0..self.columns.len();
-        cells
-            .filter_map(|cell| self.facade(cell, seen_from))
-            .collect()
+        Surveyed {
+            grid: self.grid,
+            occupied: self.occupied(&ground),
+            facades: cells
+                .filter_map(|cell| self.facade(cell, &ground))
+                .collect(),
+        }
     }
 
-    fn facade(&self, cell: usize, seen_from: MapPoint) -> Option<Facade> {
+    /// Height of the ground under each column, by the lowest return around it.
+    fn ground(&self) -> Vec<f32> {
+        let low = |cell: usize| self.columns[cell].low;
+        let along_rows = self.least_around(low, (1, 0));
+        self.least_around(|cell| along_rows[cell], (0, 1))
+    }
+
+    /// The least value within [`GROUND_CELLS`] columns or rows.
+    fn least_around(&self, value: impl Fn(usize) -> f32, step: (i64, i64)) -> Vec<f32> {
+        let least = |cell: usize| {
+            let (column, row) = self.grid.column_row(cell);
+            let near = (-GROUND_CELLS..=GROUND_CELLS)
+                .filter_map(|k| self.grid.cell_in(column + k * step.0, row + k * step.1));
+            near.map(&value).fold(f32::INFINITY, f32::min)
+        };
+        (0..self.grid.len()).map(least).collect()
+    }
+
+    fn occupied(&self, ground: &[f32]) -> Vec<bool> {
+        /// Returns of something that a robot runs into.
+        #[derive(Clone, Copy)]
+        struct Body {
+            returns: u32,
+            scans: u16,
+            last_scan: u16,
+        }
+        let nothing = Body {
+            returns: 0,
+            scans: 0,
+            last_scan: u16::MAX,
+        };
+        let mut bodies = vec![nothing; self.grid.len()];
+        for seen in &self.returns {
+            let cell = seen.cell as usize;
+            if !BODY_M.contains(&(seen.height - ground[cell])) {
+                continue;
+            }
+            let body = &mut bodies[cell];
+            body.returns += 1;
+            if body.last_scan != seen.scan {
+                body.last_scan = seen.scan;
+                body.scans += 1;
+            }
+        }
+        let is_occupied =
+            |body: &Body| body.returns >= OCCUPIED_RETURNS && body.scans >= OCCUPIED_SCANS;
+        bodies.iter().map(is_occupied).collect()
+    }
+
+    fn facade(&self, cell: usize, ground: &[f32]) -> Option<Facade> {
         let column = &self.columns[cell];
-        let is_high = column.high >= FACADE_TOP_M && column.high - column.low >= FACADE_SPAN_M;
+        let is_high =
+            column.high - ground[cell] >= FACADE_TOP_M && column.high - column.low >= FACADE_SPAN_M;
         if !is_high || column.returns < FACADE_RETURNS {
             return None;
         }
-        let spread = self.spread_around(cell);
-        let eigen = SymmetricEigen::new(spread);
+        let eigen = SymmetricEigen::new(self.spread_around(cell, ground));
         let (short, long) = if eigen.eigenvalues[0] < eigen.eigenvalues[1] {
             (0, 1)
         } else {
@@ -132,31 +231,34 @@ impl Columns {
         if deviation(short) > FACADE_THICKNESS_M || deviation(long) < FACADE_LENGTH_M {
             return None;
         }
-        let axis = eigen.eigenvectors.column(short);
         let middle = self.grid.center(cell);
         let n = f64::from(column.returns);
-        let at = MapPoint::new(
-            middle.x + f64::from(column.sums[0]) / n,
-            middle.y + f64::from(column.sums[1]) / n,
-        );
-        let towards = (seen_from.x - at.x) * axis[0] + (seen_from.y - at.y) * axis[1];
-        let side = if towards < 0.0 { -1.0 } else { 1.0 };
+        let normal = eigen.eigenvectors.column(short);
+        let towards = column.towards.map(f64::from);
+        let side = if towards[0] * normal[0] + towards[1] * normal[1] < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
         Some(Facade {
-            at,
-            facing: libm::atan2(side * axis[1], side * axis[0]),
+            at: MapPoint::new(
+                middle.x + f64::from(column.sums[0]) / n,
+                middle.y + f64::from(column.sums[1]) / n,
+            ),
+            facing: libm::atan2(side * normal[1], side * normal[0]),
             views: column.views,
         })
     }
 
     /// Covariance of the returns in a column and its neighbours that are high too.
-    fn spread_around(&self, cell: usize) -> Matrix2<f64> {
+    fn spread_around(&self, cell: usize, ground: &[f32]) -> Matrix2<f64> {
         let middle = self.grid.center(cell);
         let mut n = 0.0;
         let mut sum = Vector2::zeros();
         let mut squares = Matrix2::zeros();
         for near in std::iter::once(cell).chain(self.grid.neighbours(cell)) {
             let column = &self.columns[near];
-            if column.high < FACADE_TOP_M || column.returns == 0 {
+            if column.returns == 0 || column.high - ground[near] < FACADE_TOP_M {
                 continue;
             }
             let center = self.grid.center(near);
@@ -180,39 +282,93 @@ impl Columns {
 mod tests {
     use super::*;
 
-    /// Columns with returns of something, seen once.
-    fn seen(returns: impl Iterator<Item = (f64, f64, f32)>) -> Columns {
+    /// A return: x, y and height, metres.
+    type Xyh = (f64, f64, f32);
+
+    /// What returns show, seen from one place in three scans.
+    fn seen_from(from: MapPoint, returns: impl Iterator<Item = Xyh> + Clone) -> Surveyed {
         let mut columns = Columns::around(MapPoint::default());
-        returns.for_each(|(x, y, height)| columns.add(MapPoint::new(x, y), height, 0));
-        columns
+        for scan in 0..3 {
+            let sight = Sight {
+                scan,
+                view: 0,
+                from,
+            };
+            for (x, y, height) in returns.clone() {
+                columns.add(MapPoint::new(x, y), height, &sight);
+            }
+        }
+        columns.survey()
+    }
+
+    fn seen(returns: impl Iterator<Item = Xyh> + Clone) -> Surveyed {
+        seen_from(MapPoint::default(), returns)
     }
 
     /// Returns from a wall along the x axis, 5 m north, up to a height.
-    fn wall(top: f32) -> impl Iterator<Item = (f64, f64, f32)> {
+    fn wall(top: f32) -> impl Iterator<Item = Xyh> + Clone {
         (0..60).flat_map(move |i| {
             let heights = (0..20).map(move |j| top * j as f32 / 20.0);
             heights.map(move |height| (0.1 * f64::from(i) - 3.0, 5.2, height))
         })
     }
 
+    /// Ground that rises by one in ten to the north, up to 20 m away.
+    fn slope() -> impl Iterator<Item = Xyh> + Clone {
+        (0..80).flat_map(|i| {
+            let y = 0.25 * f64::from(i);
+            (0..80).map(move |j| (0.25 * f64::from(j) - 10.0, y, 0.1 * y as f32))
+        })
+    }
+
     #[test]
     fn a_high_wall_is_a_facade_that_faces_who_sees_it() {
-        let facades = seen(wall(5.0)).facades(MapPoint::default());
+        let facades = seen(wall(5.0)).facades;
         assert!((11..=13).contains(&facades.len()), "{}", facades.len());
         for facade in &facades {
             assert!((facade.at.y - 5.2).abs() < 1e-6, "{facade:?}");
             assert!((facade.facing + std::f64::consts::FRAC_PI_2).abs() < 1e-6);
         }
-        let behind = seen(wall(5.0)).facades(MapPoint::new(0.0, 9.0));
+        let behind = seen_from(MapPoint::new(0.0, 9.0), wall(5.0)).facades;
         assert!((behind[0].facing - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
     }
 
     #[test]
     fn a_fence_is_occupied_and_no_facade() {
-        let columns = seen(wall(1.5));
-        assert!(columns.is_occupied(MapPoint::new(0.1, 5.2)));
-        assert!(!columns.is_occupied(MapPoint::new(0.1, 4.2)));
-        assert!(columns.facades(MapPoint::default()).is_empty());
+        let fence = seen(wall(1.5));
+        assert!(fence.is_occupied(MapPoint::new(0.1, 5.2)));
+        assert!(!fence.is_occupied(MapPoint::new(0.1, 4.2)));
+        assert!(fence.facades.is_empty());
+    }
+
+    #[test]
+    fn rising_ground_is_free_and_a_wall_on_it_is_a_facade() {
+        let free = seen(slope());
+        assert!((0..19).all(|y| !free.is_occupied(MapPoint::new(0.1, f64::from(y)))));
+        assert!(free.facades.is_empty());
+        // A car of 1.6 m stands 1.5 m higher than the robot: its roof is no facade.
+        let on_slope = |top: f32| {
+            let raised = wall(top).map(|(x, y, height)| (x, y + 10.0, height + 1.52));
+            seen(slope().chain(raised))
+        };
+        let car = on_slope(1.6);
+        assert!(car.is_occupied(MapPoint::new(0.1, 15.2)));
+        assert!(car.facades.is_empty());
+        assert!(on_slope(4.0).facades.len() > 8);
+    }
+
+    #[test]
+    fn what_is_gone_in_the_next_scan_occupies_nothing() {
+        let mut columns = Columns::around(MapPoint::default());
+        let sight = Sight {
+            scan: 7,
+            view: 0,
+            from: MapPoint::default(),
+        };
+        for i in 0..30 {
+            columns.add(MapPoint::new(3.1, 0.1), 0.06 * i as f32, &sight);
+        }
+        assert!(!columns.survey().is_occupied(MapPoint::new(3.1, 0.1)));
     }
 
     #[test]
@@ -220,18 +376,16 @@ mod tests {
         // A crown of two metres, filled evenly.
         let crown = (0..4000).map(|i| {
             let (a, r) = (f64::from(i) * 2.4, f64::from(i % 61) / 61.0);
-            (
-                4.0 + r * libm::cos(a),
-                r * libm::sin(a),
-                1.0 + (i % 37) as f32 * 0.1,
-            )
+            let height = 1.0 + (i % 37) as f32 * 0.1;
+            (4.0 + r * libm::cos(a), r * libm::sin(a), height)
         });
-        assert!(seen(crown).facades(MapPoint::default()).is_empty());
+        assert!(seen(crown).facades.is_empty());
     }
 
     #[test]
     fn returns_far_away_and_numbers_that_are_none_are_left_out() {
-        let columns = seen([(1e9, 0.0, 1.0), (f64::NAN, 0.0, 1.0)].into_iter());
-        assert!(columns.facades(MapPoint::default()).is_empty());
+        let odd = [(1e9, 0.0, 1.0), (f64::NAN, 0.0, 1.0), (1.0, 1.0, f32::NAN)];
+        let odd = seen(odd.into_iter());
+        assert!(odd.facades.is_empty() && !odd.is_occupied(MapPoint::new(1.0, 1.0)));
     }
 }

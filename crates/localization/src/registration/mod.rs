@@ -46,10 +46,12 @@
 //! | [`field`] | what each place of the map costs a piece of evidence |
 //! | [`mod@vote`] | the cost of every pose in an area |
 //! | [`mod@modes`] | the best of these poses |
+//! | [`mod@explain`] | how well a pose explains what was seen |
 //! | [`mod@refine`] | a pose made exact, with an offset of each building |
 
 pub mod chart;
 mod columns;
+pub mod explain;
 pub mod field;
 pub mod modes;
 pub mod refine;

@@ -1,4 +1,4 @@
-//! The best poses of a vote, and how much of the posterior each has.
+//! The best poses of a vote.
 
 use openbench_core::Pose2;
 use openbench_core::frames::wrap_angle;
@@ -8,8 +8,8 @@ use super::vote::{Evidence, Headings, vote};
 
 /// Modes nearer than this are one, metres,
 const SAME_M: f64 = 4.0;
-/// if their headings differ less than this, radians.
-const SAME_RAD: f64 = 0.35;
+/// if their headings differ less than this, radians: a peak's flanks are wide.
+const SAME_RAD: f64 = 0.7;
 /// Modes that cost more than the best by so many units are of no interest.
 const MARGIN: u16 = 2000;
 /// Most candidates that are kept while voting.
@@ -31,41 +31,47 @@ pub struct Mode {
 pub struct Votes {
     /// The best modes, best first.
     pub modes: Vec<Mode>,
-    /// Number of poses by cost, in units.
-    pub histogram: Vec<u32>,
+    /// Number of poses by cost, in [units](super::field::UNITS_PER_NAT).
+    pub histogram: Vec<u64>,
 }
 
-/// The best `most` modes of the places of a field's area and of headings.
+/// The best `most` modes of the places of a field's area and of headings; none without evidence of
+/// facades, which all poses explain equally well.
 pub fn modes(field: &Field, evidence: &Evidence, headings: &Headings, most: usize) -> Votes {
-    let places = 0..field.columns * field.rows;
-    let column_row = |place: usize| (place % field.columns, place / field.columns);
-    let allowed: Vec<bool> = places
-        .map(|place| {
-            let (column, row) = column_row(place);
-            field.depth_at(column, row) <= MAX_DEPTH_M
-        })
-        .collect();
-    let mut histogram = vec![0_u32; usize::from(u16::MAX) + 1];
+    if evidence.facades() == 0 {
+        return Votes::default();
+    }
+    let allowed = allowed_places(field);
+    let mut histogram = vec![0_u64; usize::from(u16::MAX) + 1];
     let mut best = u16::MAX;
     let mut candidates: Vec<Mode> = Vec::new();
+    // Places that are not allowed cost the most, so that they hide none beside them.
+    let mut costs = vec![u16::MAX; allowed.len()];
     vote(field, evidence, headings, &mut |slice| {
-        for (place, cost) in slice.costs.iter().enumerate().filter(|(i, _)| allowed[*i]) {
-            histogram[usize::from(*cost)] += 1;
-            best = best.min(*cost);
-            let (column, row) = column_row(place);
-            if *cost <= best.saturating_add(MARGIN)
-                && is_least_around(slice.costs, field.columns, column, row)
-            {
+        for ((cost, voted), is_allowed) in costs.iter_mut().zip(slice.costs).zip(&allowed) {
+            if *is_allowed {
+                *cost = *voted;
+                histogram[usize::from(*voted)] += 1;
+                best = best.min(*voted);
+            }
+        }
+        let limit = best.saturating_add(MARGIN).min(u16::MAX - 1);
+        for row in 0..field.rows {
+            for column in 0..field.columns {
+                let cost = costs[row * field.columns + column];
+                if cost > limit || !is_least_around(&costs, field.columns, column, row) {
+                    continue;
+                }
                 let at = field.place(column, row);
                 candidates.push(Mode {
                     pose: Pose2::new(at.x, at.y, wrap_angle(slice.yaw)),
-                    cost: f64::from(*cost) / UNITS_PER_NAT,
+                    cost: f64::from(cost) / UNITS_PER_NAT,
                 });
+                if candidates.len() == MOST_CANDIDATES {
+                    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+                    candidates.truncate(MOST_CANDIDATES / 2);
+                }
             }
-        }
-        if candidates.len() > MOST_CANDIDATES {
-            candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-            candidates.truncate(MOST_CANDIDATES / 2);
         }
     });
     candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -73,6 +79,15 @@ pub fn modes(field: &Field, evidence: &Evidence, headings: &Headings, most: usiz
         modes: distinct(&candidates, most),
         histogram,
     }
+}
+
+/// Whether a robot can be at each place.
+fn allowed_places(field: &Field) -> Vec<bool> {
+    let rows = 0..field.rows;
+    rows.flat_map(|row| {
+        (0..field.columns).map(move |column| field.depth_at(column, row) <= MAX_DEPTH_M)
+    })
+    .collect()
 }
 
 /// The first candidates that are not near a better one.
@@ -93,13 +108,20 @@ fn is_same(a: Pose2, b: Pose2) -> bool {
     a.point().distance(b.point()) < SAME_M && wrap_angle(a.yaw - b.yaw).abs() < SAME_RAD
 }
 
-/// Whether no place beside it with the same heading is better.
+/// Whether a place costs less than those beside it with the same heading. Of equal ones, the first.
 fn is_least_around(costs: &[u16], columns: usize, column: usize, row: usize) -> bool {
-    let cost = costs[row * columns + column];
-    let rows = costs.chunks_exact(columns).skip(row.saturating_sub(1));
+    let here = row * columns + column;
     let near = column.saturating_sub(1)..(column + 2).min(columns);
-    rows.take(if row == 0 { 2 } else { 3 })
-        .all(|row| row[near.clone()].iter().all(|other| *other >= cost))
+    let rows = row.saturating_sub(1)..(row + 2).min(costs.len() / columns);
+    for other_row in rows {
+        for other in near.clone().map(|column| other_row * columns + column) {
+            let is_better = costs[other] < costs[here];
+            if is_better || (other < here && costs[other] == costs[here]) {
+                return false;
+            }
+        }
+    }
+    true
 }
 
 #[cfg(test)]
@@ -154,8 +176,6 @@ mod tests {
     fn a_submap_of_nothing_prefers_no_pose() {
         let field = Field::over(&chart(&town()), square(5.0));
         let nothing = Evidence::of(&Submap::default());
-        let votes = modes(&field, &nothing, &Headings::ALL, 9);
-        assert!(votes.modes.iter().all(|mode| mode.cost == 0.0));
-        assert_eq!(votes.histogram[0], votes.histogram.iter().sum::<u32>());
+        assert_eq!(modes(&field, &nothing, &Headings::ALL, 9), Votes::default());
     }
 }

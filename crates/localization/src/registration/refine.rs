@@ -15,11 +15,13 @@ use super::submap::Submap;
 
 /// Most steps.
 const MAX_STEPS: usize = 15;
+/// The gate narrows over so many.
+const NARROWING_STEPS: f64 = 6.0;
 /// A step shorter than this is the last, metres and radians.
 const SMALL: f64 = 1e-3;
 /// Facades match walls that face the same way up to this, radians,
 const FACING_RAD: f64 = 0.45;
-/// and whose ends they overlap up to this, metres.
+/// and reach beyond their ends by no more than this, metres, or by half the gate at first.
 const BEYOND_END_M: f64 = 0.7;
 /// Walls within this distance of the robot are matched, metres.
 const REACH_M: f64 = 60.0;
@@ -125,11 +127,10 @@ pub fn refine(
     }
     let mut problem = Problem::about(chart, start);
     let mut pose = start;
-    let mut matched = 0;
     for step in 0..MAX_STEPS {
-        let share = (step as f64 / 6.0).min(1.0);
+        let share = (step as f64 / NARROWING_STEPS).min(1.0);
         let gate = assumed.first_gate_m + share * (assumed.last_gate_m - assumed.first_gate_m);
-        matched = problem.linearise(&submap.facades, pose, gate, assumed);
+        problem.linearise(&submap.facades, pose, gate, assumed);
         let change = problem.solve(assumed)?;
         pose = Pose2::new(
             pose.x + change.x,
@@ -140,6 +141,8 @@ pub fn refine(
             break;
         }
     }
+    // Evidence is about the pose that is returned, not about the one before the last step.
+    let matched = problem.linearise(&submap.facades, pose, assumed.last_gate_m, assumed);
     (matched > 0).then(|| Refined {
         pose,
         information: problem.information(assumed),
@@ -150,30 +153,59 @@ pub fn refine(
 }
 
 /// Walls near a pose, and the normal equations.
-struct Problem<'a> {
-    walls: Vec<&'a Wall>,
-    /// Of each building of the chart, where it is in `buildings`.
-    place: Vec<Option<usize>>,
+struct Problem {
+    walls: Vec<Line>,
     buildings: Vec<BuildingEvidence>,
 }
 
-impl<'a> Problem<'a> {
-    fn about(chart: &'a Chart, pose: Pose2) -> Self {
+/// A wall as the equations need it.
+struct Line {
+    start: Vector2<f64>,
+    along: Vector2<f64>,
+    /// Away from the building.
+    normal: Vector2<f64>,
+    /// The direction of the normal, radians.
+    facing: f64,
+    length: f64,
+    /// Of its building in the problem.
+    place: usize,
+}
+
+impl Line {
+    fn of(wall: &Wall, place: usize) -> Self {
+        let (a, b) = (wall.segment.start, wall.segment.end);
+        let length = wall.segment.length();
+        let along = Vector2::new(b.x - a.x, b.y - a.y) / length;
+        // The building lies to the left.
+        let normal = Vector2::new(along.y, -along.x);
+        Self {
+            start: Vector2::new(a.x, a.y),
+            along,
+            normal,
+            facing: libm::atan2(normal.y, normal.x),
+            length,
+            place,
+        }
+    }
+}
+
+impl Problem {
+    fn about(chart: &Chart, pose: Pose2) -> Self {
+        let mut places = vec![None; chart.outlines.len()];
         let mut problem = Self {
             walls: Vec::new(),
-            place: vec![None; chart.outlines.len()],
             buildings: Vec::new(),
         };
         for wall in &chart.walls {
             if wall.segment.distance_to_point(pose.point()) > REACH_M {
                 continue;
             }
-            problem.walls.push(wall);
-            let place = &mut problem.place[wall.building];
-            if place.is_none() {
-                *place = Some(problem.buildings.len());
-                problem.buildings.push(BuildingEvidence::of(wall.building));
-            }
+            let buildings = &mut problem.buildings;
+            let place = *places[wall.building].get_or_insert_with(|| {
+                buildings.push(BuildingEvidence::of(wall.building));
+                buildings.len() - 1
+            });
+            problem.walls.push(Line::of(wall, place));
         }
         problem
     }
@@ -217,35 +249,23 @@ impl<'a> Problem<'a> {
 
     /// The nearest wall that a facade can be on.
     fn fit(&self, at: MapPoint, facing: f64, gate: f64) -> Option<Fit> {
-        let mut best: Option<Fit> = None;
-        for wall in &self.walls {
-            let segment = wall.segment;
-            let length = segment.length();
-            let along = Vector2::new(
-                (segment.end.x - segment.start.x) / length,
-                (segment.end.y - segment.start.y) / length,
-            );
-            // The building lies to the left.
-            let normal = Vector2::new(along.y, -along.x);
-            let Some(place) = self.place[wall.building] else {
-                continue;
-            };
-            let offset = self.buildings[place].offset;
-            let from = Vector2::new(
-                at.x - segment.start.x - offset.x,
-                at.y - segment.start.y - offset.y,
-            );
-            let away = normal.dot(&from);
-            let on = along.dot(&from);
-            let is_near = away.abs() < best.as_ref().map_or(gate, |best| best.away.abs());
-            if !is_near || on < -BEYOND_END_M || on > length + BEYOND_END_M {
+        let beyond = BEYOND_END_M.max(0.5 * gate);
+        let mut nearest = gate;
+        let mut best = None;
+        for line in &self.walls {
+            let offset = self.buildings[line.place].offset;
+            let from = Vector2::new(at.x, at.y) - line.start - offset;
+            let away = line.normal.dot(&from);
+            if away.abs() >= nearest {
                 continue;
             }
-            let turned = wrap_angle(libm::atan2(normal.y, normal.x) - facing);
-            if turned.abs() < FACING_RAD {
+            let on = line.along.dot(&from);
+            let is_on = on > -beyond && on < line.length + beyond;
+            if is_on && wrap_angle(line.facing - facing).abs() < FACING_RAD {
+                nearest = away.abs();
                 best = Some(Fit {
-                    place,
-                    normal,
+                    place: line.place,
+                    normal: line.normal,
                     away,
                 });
             }

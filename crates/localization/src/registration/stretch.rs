@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 
 use nalgebra::{Point3, Vector3};
-use openbench_core::{LidarScan, MapPoint, Pose2, Pose3};
+use openbench_core::{LidarScan, MapPoint, Pose2, Pose3, SimTime};
 
-use super::columns::{CELL_M, Columns, Facade};
+use super::columns::{CELL_M, Columns, Facade, Sight, Surveyed};
 
 /// A stretch ends after this distance, metres.
 pub const STRETCH_M: f64 = 5.0;
@@ -15,7 +15,11 @@ const SCAN_DISTANCE_M: f64 = 0.3;
 /// or this turn, radians.
 const SCAN_TURN_RAD: f64 = 0.2;
 /// At the start so many scans are taken, though the robot stands.
-const FIRST_SCANS: usize = 5;
+const FIRST_SCANS: u16 = 5;
+/// No more scans are taken, as when a robot turns on the spot.
+const MOST_SCANS: u16 = 60;
+/// A pose farther than this from the last one is of another `odom`, metres.
+const JUMP_M: f64 = 3.0;
 /// Places this far apart count as different views, metres.
 const VIEW_DISTANCE_M: f64 = 1.0;
 /// Directions of a panorama.
@@ -24,6 +28,8 @@ pub const DIRECTIONS: usize = 360;
 const MAX_RANGE_M: f64 = 45.0;
 /// A scan is put straight in slices of this duration.
 const SLICE: Duration = Duration::from_millis(10);
+/// Later points of a scan are in its last slice.
+const MOST_SLICES: u32 = 50;
 
 /// How far the robot saw over free ground from one place, by direction.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -47,10 +53,10 @@ pub struct Stretch {
     pub panoramas: Vec<Panorama>,
 }
 
-/// Where the robot is while a scan is taken: poses of `base_link` in `odom`.
+/// Where the robot is while a scan is taken: poses of `base_link` in a frame that has no jumps.
 pub trait Track {
     /// The pose at an instant of the last second.
-    fn pose_at(&self, time: openbench_core::SimTime) -> Pose3;
+    fn pose3_at(&self, time: SimTime) -> Pose3;
 }
 
 /// Gathers scans into stretches.
@@ -66,7 +72,7 @@ pub struct Gatherer {
 struct Open {
     columns: Columns,
     views: Vec<View>,
-    scans: usize,
+    scans: u16,
     /// Where the last scan was taken.
     last: Pose2,
     metres: f64,
@@ -76,8 +82,14 @@ struct Open {
 #[derive(Debug, Clone)]
 struct View {
     from: MapPoint,
-    /// The farthest return in each direction, metres.
-    farthest: Vec<f32>,
+    farthest: Vec<Farthest>,
+}
+
+/// The farthest returns in a direction, metres. One alone may have come through a window.
+#[derive(Debug, Clone, Copy, Default)]
+struct Farthest {
+    first: f32,
+    second: f32,
 }
 
 impl Gatherer {
@@ -88,9 +100,17 @@ impl Gatherer {
 
     /// Takes in a scan; gives the stretch that it ends, if it does.
     pub fn take(&mut self, scan: &LidarScan, track: &dyn Track) -> Option<Stretch> {
-        let last = scan.points.last()?;
-        let end = scan.stamp + Duration::from_nanos(u64::from(last.offset_ns));
-        let here = Pose2::from_pose3(&track.pose_at(end));
+        // Points are nearly in the order of their time, not quite.
+        let last = scan.points.iter().map(|point| point.offset_ns).max()?;
+        let end = scan.stamp + Duration::from_nanos(u64::from(last));
+        let here = Pose2::from_pose3(&track.pose3_at(end));
+        if !(here.x.is_finite() && here.y.is_finite() && here.yaw.is_finite()) {
+            return None;
+        }
+        let jumped = |open: &mut Open| open.last.point().distance(here.point()) > JUMP_M;
+        if self.open.as_mut().is_some_and(jumped) {
+            self.open = None;
+        }
         let open = self.open.get_or_insert_with(|| Open::at(here));
         if !open.is_due(here) {
             return None;
@@ -99,7 +119,7 @@ impl Gatherer {
         open.last = here;
         open.scans += 1;
         open.begin_view(here.point());
-        open.add(scan, &self.lidar, track);
+        open.add(scan, last, &self.lidar, track);
         if open.metres < STRETCH_M {
             return None;
         }
@@ -127,6 +147,10 @@ impl Open {
 
     fn is_due(&self, here: Pose2) -> bool {
         let turn = openbench_core::frames::wrap_angle(here.yaw - self.last.yaw).abs();
+        if self.scans == MOST_SCANS {
+            // Where it drives on, the stretch shall end.
+            return here.point().distance(self.last.point()) >= STRETCH_M;
+        }
         self.scans < FIRST_SCANS
             || here.point().distance(self.last.point()) >= SCAN_DISTANCE_M
             || turn >= SCAN_TURN_RAD
@@ -140,68 +164,84 @@ impl Open {
         if is_new {
             self.views.push(View {
                 from: here,
-                farthest: vec![0.0; DIRECTIONS],
+                farthest: vec![Farthest::default(); DIRECTIONS],
             });
         }
     }
 
-    fn add(&mut self, scan: &LidarScan, lidar: &Pose3, track: &dyn Track) {
-        let number = (self.views.len() - 1) as u16;
-        let Some(view) = self.views.last_mut() else {
+    /// Takes in a scan whose last point is `last_ns` after its first.
+    fn add(&mut self, scan: &LidarScan, last_ns: u32, lidar: &Pose3, track: &dyn Track) {
+        let Some(number) = self.views.len().checked_sub(1) else {
             return;
         };
+        let view = &mut self.views[number];
         let slice_ns = SLICE.as_nanos() as u32;
-        for points in scan
-            .points
-            .chunk_by(|a, b| a.offset_ns / slice_ns == b.offset_ns / slice_ns)
-        {
-            let middle = (points[0].offset_ns / slice_ns) as u64 * u64::from(slice_ns);
-            let time = scan.stamp + Duration::from_nanos(middle) + SLICE / 2;
-            let base = track.pose_at(time);
-            let sensor = base * lidar;
-            let ground = base.translation.z;
-            for point in points {
-                let xyz = Point3::from(Vector3::from(point.xyz).cast::<f64>());
-                let at = sensor * xyz;
-                let place = MapPoint::new(at.x, at.y);
-                let range = view.from.distance(place);
-                if range > MAX_RANGE_M {
-                    continue;
-                }
-                let direction = direction(view.from.bearing_to(place));
-                view.farthest[direction] = view.farthest[direction].max(range as f32);
-                self.columns.add(place, (at.z - ground) as f32, number);
+        let slices = (last_ns / slice_ns).min(MOST_SLICES - 1);
+        let bases: Vec<Pose3> = (0..=slices)
+            .map(|slice| track.pose3_at(scan.stamp + SLICE * slice + SLICE / 2))
+            .collect();
+        for point in &scan.points {
+            let slice = (point.offset_ns / slice_ns).min(slices);
+            let base = &bases[slice as usize];
+            let xyz = Point3::from(Vector3::from(point.xyz).cast::<f64>());
+            let at = base * (lidar * xyz);
+            let place = MapPoint::new(at.x, at.y);
+            let range = view.from.distance(place);
+            if range.is_nan() || range > MAX_RANGE_M {
+                continue;
             }
+            let direction = direction(view.from.bearing_to(place));
+            view.farthest[direction].add(range as f32);
+            let sight = Sight {
+                scan: self.scans,
+                view: number as u16,
+                from: view.from,
+            };
+            let height = (at.z - base.translation.z) as f32;
+            self.columns.add(place, height, &sight);
         }
     }
 
     fn stretch(&self) -> Stretch {
+        let surveyed = self.columns.survey();
+        let panoramas = self.views.iter().map(|view| view.panorama(&surveyed));
         Stretch {
             end: self.last,
             metres: self.metres,
-            facades: self.columns.facades(self.last.point()),
-            panoramas: self.views.iter().map(|view| self.panorama(view)).collect(),
+            panoramas: panoramas.collect(),
+            facades: surveyed.facades,
         }
     }
+}
 
-    fn panorama(&self, view: &View) -> Panorama {
-        let free = view.farthest.iter().enumerate().map(|(i, farthest)| {
+impl View {
+    /// What is free from here.
+    fn panorama(&self, surveyed: &Surveyed) -> Panorama {
+        let free = self.farthest.iter().enumerate().map(|(i, farthest)| {
+            let farthest = f64::from(farthest.second);
             let bearing = (i as f64 + 0.5) * TAU / DIRECTIONS as f64;
             let (sine, cosine) = libm::sincos(bearing);
             let mut range = 0.5;
-            while range < f64::from(*farthest) {
-                let at = MapPoint::new(view.from.x + cosine * range, view.from.y + sine * range);
-                if self.columns.is_occupied(at) {
+            while range < farthest {
+                let at = MapPoint::new(self.from.x + cosine * range, self.from.y + sine * range);
+                if surveyed.is_occupied(at) {
                     break;
                 }
                 range += 0.5 * CELL_M;
             }
-            range.min(f64::from(*farthest)) as f32
+            range.min(farthest) as f32
         });
         Panorama {
-            from: view.from,
+            from: self.from,
             free: free.collect(),
         }
+    }
+}
+
+impl Farthest {
+    fn add(&mut self, range: f32) {
+        self.second = self.second.max(range.min(self.first));
+        self.first = self.first.max(range);
     }
 }
 
@@ -213,8 +253,6 @@ pub(super) fn direction(bearing: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use openbench_core::SimTime;
-
     use super::super::town::{Still, block, scan, stretch_at};
     use super::*;
 
@@ -249,6 +287,44 @@ mod tests {
             let most = stretch.facades.iter().map(|facade| facade.views).max();
             assert!((5..=6).contains(&most.unwrap()), "{most:?}");
         }
+    }
+
+    #[test]
+    fn a_gable_faces_the_side_from_which_it_was_seen() {
+        // The robot drives past a house and beyond it; at the end it is behind the near gable.
+        let houses = [block(4.0, 5.0, 3.0, 6.0)];
+        let mut gatherer = Gatherer::new(Pose3::translation(0.0, 0.0, 0.3));
+        let mut ended = None;
+        for i in 0..30 {
+            let pose = Pose2::new(0.2 * f64::from(i), 0.0, 0.0);
+            let scan = scan(&houses, pose, SimTime::from_millis(100 * i as u64));
+            ended = ended.or(gatherer.take(&scan, &Still(pose)));
+        }
+        let ended = ended.unwrap();
+        assert!(ended.end.x > 4.5, "{:?}", ended.end);
+        let near_gable = ended
+            .facades
+            .iter()
+            .filter(|f| f.at.x < 2.6 && f.at.y > 3.0);
+        let facing: Vec<f64> = near_gable.map(|f| f.facing.abs()).collect();
+        assert!(
+            facing.len() > 4 && facing.iter().all(|f| *f > 3.0),
+            "{facing:?}"
+        );
+    }
+
+    #[test]
+    fn poses_that_jump_or_are_none_begin_a_new_stretch() {
+        let houses = [block(10.0, 9.0, 30.0, 8.0)];
+        let mut gatherer = Gatherer::new(Pose3::translation(0.0, 0.0, 0.3));
+        let at = |x: f64| Pose2::new(x, 0.0, 0.0);
+        let seen = scan(&houses, at(0.0), SimTime::ZERO);
+        gatherer.take(&seen, &Still(at(0.0)));
+        assert_eq!(gatherer.take(&seen, &Still(at(f64::NAN))), None);
+        assert_eq!(gatherer.unfinished().unwrap().end, at(0.0));
+        assert_eq!(gatherer.take(&seen, &Still(at(100.0))), None);
+        let again = gatherer.unfinished().unwrap();
+        assert_eq!((again.end, again.metres), (at(100.0), 0.0));
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub(super) fn chart(houses: &[Polygon]) -> Chart {
 pub(super) struct Still(pub(super) Pose2);
 
 impl Track for Still {
-    fn pose_at(&self, _: SimTime) -> Pose3 {
+    fn pose3_at(&self, _: SimTime) -> Pose3 {
         self.0.to_pose3(0.0)
     }
 }
@@ -97,6 +97,9 @@ pub(super) fn scan(houses: &[Polygon], pose: Pose2, stamp: SimTime) -> LidarScan
 /// What a robot sees from a pose, in an `odom` that begins there.
 pub(super) fn stretch_at(houses: &[Polygon], pose: Pose2) -> Stretch {
     let mut gatherer = Gatherer::new(Pose3::translation(0.0, 0.0, SENSOR_M));
-    gatherer.take(&scan(houses, pose, SimTime::ZERO), &Still(Pose2::default()));
+    let scan = scan(houses, pose, SimTime::ZERO);
+    for _ in 0..2 {
+        gatherer.take(&scan, &Still(Pose2::default()));
+    }
     gatherer.unfinished().unwrap()
 }

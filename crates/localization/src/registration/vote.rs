@@ -7,8 +7,9 @@
 use std::f64::consts::TAU;
 
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::grid::GridGeometry;
 
-use super::field::{CELL_M, Field, MARGIN_CELLS, SECTORS, sector};
+use super::field::{CELL_M, Field, MARGIN_CELLS, sector};
 use super::stretch::DIRECTIONS;
 use super::submap::Submap;
 
@@ -51,11 +52,10 @@ impl Evidence {
             weight: u16::from(facade.views).min(MOST_VIEWS),
         });
         let near = |piece: &Piece| piece.at.distance(MapPoint::default()) < REACH_M;
-        let facades = thinned(facades.filter(near).collect(), CELL_M);
-        let free = thinned(free_places(submap), FREE_CELL_M);
+        let facades = joined(facades.filter(near).collect(), CELL_M);
         Self {
-            facades,
-            free: free.into_iter().map(|p| Piece { weight: 1, ..p }).collect(),
+            facades: chosen(&facades),
+            free: chosen(&free_places(submap)),
         }
     }
 
@@ -64,7 +64,7 @@ impl Evidence {
         self.facades.len()
     }
 
-    /// Greatest possible cost by facades alone, in units.
+    /// Sum of the facades' weights: the views that they count for.
     pub fn weight(&self) -> u32 {
         self.facades
             .iter()
@@ -73,63 +73,73 @@ impl Evidence {
     }
 }
 
-/// Free ground: points along the rays of all panoramas.
+/// Free ground: one piece for each square that a ray of a panorama passes.
 fn free_places(submap: &Submap) -> Vec<Piece> {
-    let mut places = Vec::new();
+    let side = (2.0 * REACH_M / FREE_CELL_M) as usize;
+    let squares = GridGeometry {
+        origin: MapPoint::new(-REACH_M, -REACH_M),
+        width: side,
+        height: side,
+        cell: FREE_CELL_M,
+    };
+    let mut is_free = vec![false; squares.len()];
     for panorama in &submap.panoramas {
         for (i, free) in panorama.free.iter().enumerate().step_by(2) {
             let bearing = (i as f64 + 0.5) * TAU / DIRECTIONS as f64;
             let (sine, cosine) = libm::sincos(bearing);
-            let end = (f64::from(*free) - FREE_MARGIN_M).min(FREE_RANGE_M);
+            let end = (f64::from(*free) - FREE_MARGIN_M).clamp(0.0, FREE_RANGE_M);
             let mut range = 1.0;
             while range < end {
-                let at = MapPoint::new(
-                    panorama.from.x + cosine * range,
-                    panorama.from.y + sine * range,
-                );
-                if at.distance(MapPoint::default()) < REACH_M {
-                    places.push(Piece {
-                        at,
-                        facing: 0.0,
-                        weight: 1,
-                    });
+                let (x, y) = (cosine * range, sine * range);
+                let at = MapPoint::new(panorama.from.x + x, panorama.from.y + y);
+                if let Some(square) = squares.cell_at(at) {
+                    is_free[square] = true;
                 }
                 range += FREE_CELL_M / 2.0;
             }
         }
     }
-    places
+    let places = (0..squares.len()).filter(|square| is_free[*square]);
+    let pieces = places.map(|square| Piece {
+        at: squares.center(square),
+        facing: 0.0,
+        weight: 1,
+    });
+    pieces
+        .filter(|piece| piece.at.distance(MapPoint::default()) < REACH_M)
+        .collect()
 }
 
-/// One piece for each square, at the mean of those in it and with the greatest weight; of many, an
-/// even choice.
-fn thinned(mut pieces: Vec<Piece>, side: f64) -> Vec<Piece> {
+/// One piece for each square, at the mean of those in it and with the greatest weight.
+fn joined(mut pieces: Vec<Piece>, side: f64) -> Vec<Piece> {
     let cell = |piece: &Piece| {
         let index = |value: f64| (value / side).floor() as i64;
         (index(piece.at.y), index(piece.at.x))
     };
     pieces.sort_by_key(cell);
-    let all: Vec<Piece> = pieces
-        .chunk_by(|a, b| cell(a) == cell(b))
+    let squares = pieces.chunk_by(|a, b| cell(a) == cell(b));
+    squares
         .map(|same| {
             let n = same.len() as f64;
+            let x = same.iter().map(|one| one.at.x).sum::<f64>() / n;
+            let y = same.iter().map(|one| one.at.y).sum::<f64>() / n;
             Piece {
-                at: MapPoint::new(
-                    same.iter().map(|one| one.at.x).sum::<f64>() / n,
-                    same.iter().map(|one| one.at.y).sum::<f64>() / n,
-                ),
+                at: MapPoint::new(x, y),
                 facing: same[same.len() / 2].facing,
                 weight: same.iter().map(|one| one.weight).max().unwrap_or(1),
             }
         })
-        .collect();
-    if all.len() <= MOST_EVIDENCE {
-        return all;
-    }
-    let count = all.len();
-    (0..MOST_EVIDENCE)
-        .map(|i| all[i * count / MOST_EVIDENCE])
         .collect()
+}
+
+/// An even choice of at most [`MOST_EVIDENCE`] pieces.
+fn chosen(pieces: &[Piece]) -> Vec<Piece> {
+    let count = pieces.len();
+    if count <= MOST_EVIDENCE {
+        return pieces.to_vec();
+    }
+    let index = |i| i * count / MOST_EVIDENCE;
+    (0..MOST_EVIDENCE).map(|i| pieces[index(i)]).collect()
 }
 
 /// Headings that are asked.
@@ -167,18 +177,18 @@ pub fn vote(
     headings: &Headings,
     each: &mut dyn FnMut(Slice<'_>),
 ) {
-    let layers = Layers::of(field);
     let mut costs = vec![0_u16; field.columns * field.rows];
     for index in 0..headings.count {
         let yaw = headings.first + index as f64 * headings.step;
-        let shifts = layers.shifts(evidence, yaw);
+        let shifts = shifts(field, evidence, yaw);
         for (row, sums) in costs.chunks_exact_mut(field.columns).enumerate() {
             sums.fill(0);
             for shift in &shifts {
                 let from = shift.first + row * field.grid.width;
                 let costs = &shift.layer[from..from + field.columns];
                 for (sum, cost) in sums.iter_mut().zip(costs) {
-                    *sum = sum.saturating_add(*cost);
+                    // Neither overflows: 320 pieces cost 48 units at most, times a weight of 4.
+                    *sum = sum.wrapping_add(cost.wrapping_mul(shift.weight));
                 }
             }
         }
@@ -187,57 +197,34 @@ pub fn vote(
     }
 }
 
-/// The costs of a field times each weight that a facade can have.
-struct Layers<'a> {
-    field: &'a Field,
-    /// By weight, then by sector.
-    facade: Vec<Vec<u16>>,
-}
-
 /// Where a piece of evidence lies, seen from the first place of the area.
 struct Shift<'a> {
     layer: &'a [u16],
+    weight: u16,
     /// Its cell if the robot is at the first place.
     first: usize,
 }
 
-impl<'a> Layers<'a> {
-    fn of(field: &'a Field) -> Self {
-        let weighted = |weight: u16| {
-            let times = move |cost: &u16| cost * weight;
-            field
-                .facade
-                .iter()
-                .map(move |costs| costs.iter().map(times).collect())
-        };
-        Self {
-            field,
-            facade: (1..=MOST_VIEWS).flat_map(weighted).collect(),
-        }
-    }
-
-    fn shifts(&self, evidence: &Evidence, yaw: f64) -> Vec<Shift<'_>> {
-        let pose = Pose2::new(0.0, 0.0, yaw);
-        let first = |at: MapPoint| {
-            let turned = pose.transform(at.x, at.y);
-            // No piece is farther away than the margin is wide.
-            let cell = |value: f64| (MARGIN_CELLS as f64 + (value / CELL_M).round()) as usize;
-            cell(turned.y) * self.field.grid.width + cell(turned.x)
-        };
-        let facades = evidence.facades.iter().map(|piece| {
-            let weight = usize::from(piece.weight.clamp(1, MOST_VIEWS)) - 1;
-            let layer = weight * SECTORS + sector(piece.facing + yaw);
-            Shift {
-                layer: &self.facade[layer],
-                first: first(piece.at),
-            }
-        });
-        let free = evidence.free.iter().map(|piece| Shift {
-            layer: &self.field.free,
-            first: first(piece.at),
-        });
-        facades.chain(free).collect()
-    }
+/// Where all evidence lies if the robot has a heading.
+fn shifts<'a>(field: &'a Field, evidence: &Evidence, yaw: f64) -> Vec<Shift<'a>> {
+    let pose = Pose2::new(0.0, 0.0, yaw);
+    let first = |at: MapPoint| {
+        let turned = pose.transform(at.x, at.y);
+        // No piece is farther away than the margin is wide.
+        let cell = |value: f64| (MARGIN_CELLS as f64 + (value / CELL_M).round()) as usize;
+        cell(turned.y) * field.grid.width + cell(turned.x)
+    };
+    let facades = evidence.facades.iter().map(|piece| Shift {
+        layer: &field.facade[sector(piece.facing + yaw)],
+        weight: piece.weight.min(MOST_VIEWS),
+        first: first(piece.at),
+    });
+    let free = evidence.free.iter().map(|piece| Shift {
+        layer: &field.free,
+        weight: 1,
+        first: first(piece.at),
+    });
+    facades.chain(free).collect()
 }
 
 #[cfg(test)]
@@ -308,7 +295,7 @@ mod tests {
             facing: 0.0,
             weight: 1,
         });
-        let kept = thinned(pieces.collect(), CELL_M);
+        let kept = chosen(&joined(pieces.collect(), CELL_M));
         assert_eq!(kept.len(), MOST_EVIDENCE);
         let north = kept.iter().filter(|piece| piece.at.y >= 20.0).count();
         assert!((75..=85).contains(&north), "{north}");
