@@ -42,11 +42,7 @@ impl Chart {
             origin: centre,
             ..Self::default()
         };
-        let reach = MapPoint::new(radius, radius);
-        let area = Bounds {
-            low: MapPoint::new(centre.x - reach.x, centre.y - reach.y),
-            high: MapPoint::new(centre.x + reach.x, centre.y + reach.y),
-        };
+        let area = Bounds::of_point(centre).grown(radius);
         let near = map.buildings_within(centre, radius);
         for index in near.into_iter().filter(|i| has_walls(&map.buildings[*i])) {
             let building = chart.outlines.len();

@@ -73,6 +73,13 @@ pub struct Facade {
     pub views: u8,
 }
 
+/// A direction of the grid.
+#[derive(Debug, Clone, Copy)]
+enum Along {
+    Row,
+    Column,
+}
+
 /// When and from where a return was measured.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sight {
@@ -168,16 +175,18 @@ impl Columns {
     /// Height of the ground under each column, by the lowest return around it.
     fn ground(&self) -> Vec<f32> {
         let low = |cell: usize| self.columns[cell].low;
-        let along_rows = self.least_around(low, (1, 0));
-        self.least_around(|cell| along_rows[cell], (0, 1))
+        let along_rows = self.least_around(low, Along::Row);
+        self.least_around(|cell| along_rows[cell], Along::Column)
     }
 
     /// The least value within [`GROUND_CELLS`] columns or rows.
-    fn least_around(&self, value: impl Fn(usize) -> f32, step: (i64, i64)) -> Vec<f32> {
+    fn least_around(&self, value: impl Fn(usize) -> f32, along: Along) -> Vec<f32> {
         let least = |cell: usize| {
             let (column, row) = self.grid.column_row(cell);
-            let near = (-GROUND_CELLS..=GROUND_CELLS)
-                .filter_map(|k| self.grid.cell_in(column + k * step.0, row + k * step.1));
+            let near = (-GROUND_CELLS..=GROUND_CELLS).filter_map(|k| match along {
+                Along::Row => self.grid.cell_in(column + k, row),
+                Along::Column => self.grid.cell_in(column, row + k),
+            });
             near.map(&value).fold(f32::INFINITY, f32::min)
         };
         (0..self.grid.len()).map(least).collect()

@@ -30,10 +30,10 @@
 //!
 //! let half = 40.0;
 //! let area = Bounds { low: MapPoint::new(-half, -half), high: MapPoint::new(half, half) };
-//! let votes = modes(&Field::over(&chart, area), &Evidence::of(&seen), &Headings::ALL, 5);
+//! let found = modes(&Field::over(&chart, area), &Evidence::of(&seen), &Headings::ALL, 5);
 //! // A rectangle looks the same from its opposite sides: two poses cost the least.
-//! let gap = |i: usize| votes.modes[i].cost - votes.modes[0].cost;
-//! assert!(gap(1) < 0.1 * gap(2), "{:?}", votes.modes);
+//! let gap = |i: usize| found[i].cost - found[0].cost;
+//! assert!(gap(1) < 0.1 * gap(2), "{:?}", found);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

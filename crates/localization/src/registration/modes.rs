@@ -26,23 +26,13 @@ pub struct Mode {
     pub cost: f64,
 }
 
-/// What a vote says.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Votes {
-    /// The best modes, best first.
-    pub modes: Vec<Mode>,
-    /// Number of poses by cost, in [units](super::field::UNITS_PER_NAT).
-    pub histogram: Vec<u64>,
-}
-
 /// The best `most` modes of the places of a field's area and of headings; none without evidence of
 /// facades, which all poses explain equally well.
-pub fn modes(field: &Field, evidence: &Evidence, headings: &Headings, most: usize) -> Votes {
+pub fn modes(field: &Field, evidence: &Evidence, headings: &Headings, most: usize) -> Vec<Mode> {
     if evidence.facades() == 0 {
-        return Votes::default();
+        return Vec::new();
     }
     let allowed = allowed_places(field);
-    let mut histogram = vec![0_u64; usize::from(u16::MAX) + 1];
     let mut best = u16::MAX;
     let mut candidates: Vec<Mode> = Vec::new();
     // Places that are not allowed cost the most, so that they hide none beside them.
@@ -51,7 +41,6 @@ pub fn modes(field: &Field, evidence: &Evidence, headings: &Headings, most: usiz
         for ((cost, voted), is_allowed) in costs.iter_mut().zip(slice.costs).zip(&allowed) {
             if *is_allowed {
                 *cost = *voted;
-                histogram[usize::from(*voted)] += 1;
                 best = best.min(*voted);
             }
         }
@@ -75,10 +64,7 @@ pub fn modes(field: &Field, evidence: &Evidence, headings: &Headings, most: usiz
         }
     });
     candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    Votes {
-        modes: distinct(&candidates, most),
-        histogram,
-    }
+    distinct(&candidates, most)
 }
 
 /// Whether a robot can be at each place.
@@ -138,7 +124,7 @@ mod tests {
     fn voted(houses: &[openbench_geometry::Polygon], pose: Pose2) -> Vec<Mode> {
         let submap = Submap::of(&[stretch_at(houses, pose)]);
         let field = Field::over(&chart(houses), square(30.0));
-        modes(&field, &Evidence::of(&submap), &Headings::ALL, 3).modes
+        modes(&field, &Evidence::of(&submap), &Headings::ALL, 3)
     }
 
     fn square(half: f64) -> Bounds {
@@ -176,6 +162,6 @@ mod tests {
     fn a_submap_of_nothing_prefers_no_pose() {
         let field = Field::over(&chart(&town()), square(5.0));
         let nothing = Evidence::of(&Submap::default());
-        assert_eq!(modes(&field, &nothing, &Headings::ALL, 9), Votes::default());
+        assert!(modes(&field, &nothing, &Headings::ALL, 9).is_empty());
     }
 }

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 
 use nalgebra::{Point3, Vector3};
+use openbench_core::frames::wrap_angle;
 use openbench_core::{LidarScan, MapPoint, Pose2, Pose3, SimTime};
 
 use super::columns::{CELL_M, Columns, Facade, Sight, Surveyed};
@@ -146,7 +147,7 @@ impl Open {
     }
 
     fn is_due(&self, here: Pose2) -> bool {
-        let turn = openbench_core::frames::wrap_angle(here.yaw - self.last.yaw).abs();
+        let turn = wrap_angle(here.yaw - self.last.yaw).abs();
         if self.scans == MOST_SCANS {
             // Where it drives on, the stretch shall end.
             return here.point().distance(self.last.point()) >= STRETCH_M;
@@ -180,6 +181,11 @@ impl Open {
         let bases: Vec<Pose3> = (0..=slices)
             .map(|slice| track.pose3_at(scan.stamp + SLICE * slice + SLICE / 2))
             .collect();
+        let sight = Sight {
+            scan: self.scans,
+            view: number as u16,
+            from: view.from,
+        };
         for point in &scan.points {
             let slice = (point.offset_ns / slice_ns).min(slices);
             let base = &bases[slice as usize];
@@ -192,11 +198,6 @@ impl Open {
             }
             let direction = direction(view.from.bearing_to(place));
             view.farthest[direction].add(range as f32);
-            let sight = Sight {
-                scan: self.scans,
-                view: number as u16,
-                from: view.from,
-            };
             let height = (at.z - base.translation.z) as f32;
             self.columns.add(place, height, &sight);
         }

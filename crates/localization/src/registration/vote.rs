@@ -1,8 +1,8 @@
 //! Every pose of a region gets a cost: where the submap's evidence would lie in the map.
 //!
-//! For a fixed heading this is a correlation of evidence and map. Direct sums of 16-bit numbers,
-//! one row of places at a time, are faster here than transforms, since a submap has few pieces of
-//! evidence.
+//! For a fixed heading this is a correlation of evidence and map, by direct sums of 16-bit numbers,
+//! one row of places at a time. Their number grows with that of the pieces of evidence, which are
+//! few.
 
 use std::f64::consts::TAU;
 
@@ -62,14 +62,6 @@ impl Evidence {
     /// Number of pieces of facades.
     pub fn facades(&self) -> usize {
         self.facades.len()
-    }
-
-    /// Sum of the facades' weights: the views that they count for.
-    pub fn weight(&self) -> u32 {
-        self.facades
-            .iter()
-            .map(|piece| u32::from(piece.weight))
-            .sum()
     }
 }
 
@@ -257,7 +249,7 @@ mod tests {
                 let row = (place / field.columns) as i64;
                 assert_eq!(
                     i64::from(*cost),
-                    cost_at(&field, &evidence, slice.yaw, (column, row)),
+                    cost_at(&field, &evidence, slice.yaw, column, row),
                     "{column}, {row} at {}",
                     slice.yaw
                 );
@@ -268,13 +260,13 @@ mod tests {
     }
 
     /// The same, one piece after the other.
-    fn cost_at(field: &Field, evidence: &Evidence, yaw: f64, place: (i64, i64)) -> i64 {
+    fn cost_at(field: &Field, evidence: &Evidence, yaw: f64, column: i64, row: i64) -> i64 {
         let pose = Pose2::new(0.0, 0.0, yaw);
         let margin = MARGIN_CELLS as i64;
         let cell = |piece: &Piece| {
             let turned = pose.transform(piece.at.x, piece.at.y);
-            let column = place.0 + margin + turned.x.round() as i64;
-            let row = place.1 + margin + turned.y.round() as i64;
+            let column = column + margin + turned.x.round() as i64;
+            let row = row + margin + turned.y.round() as i64;
             field.grid.cell_in(column, row).unwrap()
         };
         let facades = evidence.facades.iter().map(|piece| {
