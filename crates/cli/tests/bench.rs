@@ -116,6 +116,15 @@ fn planners_and_numbers_of_scenes_that_make_no_sense_are_refused() {
         .openbench("bench health small --localizer stars")
         .refused_with(&["stars", "fused, lidar-inertial, dead-reckoning"]);
     Place::new()
+        .openbench("bench localization small --level awful")
+        .refused_with(&["--level", "awful", "exact, good, city, poor"]);
+    Place::new()
+        .openbench("bench localization small --start moon")
+        .refused_with(&["--start", "moon", "block, map"]);
+    Place::new()
+        .openbench("bench localization small --start off")
+        .refused_with(&["--beside"]);
+    Place::new()
         .openbench("bench motion --scenes 0")
         .refused_with(&["0"]);
 }
@@ -156,4 +165,39 @@ fn metres_among_people_are_driven_alike_on_any_number_of_threads() {
     place
         .openbench("bench people nowhere")
         .refused_with(&["nowhere"]);
+}
+
+#[test]
+fn a_robot_finds_itself_alike_on_any_number_of_threads_and_on_kept_drives() {
+    let place = Place::new();
+    let command = "bench localization small --start block --poses 1 --json";
+    let first = place
+        .openbench(&format!("{command} --drives kept"))
+        .succeeded()
+        .json();
+    assert_eq!((&first["n"], &first["level"]), (&1.into(), &"good".into()));
+    assert_eq!(first["worlds"]["small"]["recall"], first["recall"]);
+    assert!(first["recall"]["60m"]["3"].as_f64().is_some());
+    assert_eq!(first["rejected_off_map"], serde_json::Value::Null);
+    for options in ["--drives kept", "--jobs 2"] {
+        let again = place
+            .openbench(&format!("{command} {options}"))
+            .succeeded()
+            .json();
+        for field in ["recall", "fixes", "nees_mean", "wall_relative"] {
+            assert_eq!(again[field], first[field], "{field} {options}");
+        }
+    }
+    place
+        .openbench("bench localization small --poses 1 --drives kept --examples all.jsonl")
+        .succeeded();
+    let examples = place.read("all.jsonl");
+    assert!(
+        examples.starts_with("[\"small\",\"good\",\"10m\",{"),
+        "{examples:.80}"
+    );
+    place.file("kept/small-seed-1.json", "no drives");
+    place
+        .openbench("bench localization small --poses 1 --drives kept")
+        .refused_with(&["kept/small-seed-1.json", "delete it"]);
 }

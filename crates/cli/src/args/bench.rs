@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Subcommand};
+use openbench_bench::WorldSource;
 
 use super::{RoadArgs, values::*};
 
@@ -31,6 +32,88 @@ pub enum BenchCommand {
     Health(BenchHealthArgs),
     /// Deliveries in random neighbourhoods of maps: success, causes of failure, pose errors
     Towns(BenchTownsArgs),
+    /// Localization on public maps with errors: where a robot finds itself, and when it is sure
+    Localization(BenchLocalizationArgs),
+}
+
+/// Arguments of `bench localization`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+A robot drives 60 m again and again, along doors in random order. On each drive it compares
+what its LiDAR sees with the buildings of a map that is wrong as public maps are.
+
+Recall is the share of drives on which the pose is right after so many metres; a drive
+without an accepted pose counts as a miss. Shares are fractions of 1 in JSON.
+
+Examples:
+  openbench bench localization medium --start 10m --level good --poses 20 --jobs 2
+  openbench bench localization medium-7 medium-8 --start block --level city --drives drives
+  openbench bench localization krems --start off --beside heidelberg --json")]
+pub struct BenchLocalizationArgs {
+    /// Built-in worlds (small, medium-7, krems), suite files (.toml), or world folders
+    #[arg(required_unless_present = "world", conflicts_with = "world")]
+    pub worlds: Vec<String>,
+    /// A Gazebo world instead
+    #[command(flatten)]
+    pub imported: ImportedArgs,
+    /// How wrong the map is: exact, good, city or poor, as in the condition `map`
+    #[arg(long, default_value = "good")]
+    pub level: String,
+    /// What is known about the start: exact, 5m, 10m, block or map, as in the condition `start`;
+    /// off for a robot that is beside the map
+    #[arg(long, default_value = "10m")]
+    pub start: String,
+    /// The world whose map the robot gets with `--start off`
+    #[arg(long, value_name = "WORLD", required_if_eq("start", "off"))]
+    pub beside: Option<String>,
+    /// Number of drives in each world
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub poses: u32,
+    /// Seed of drives, noise, map errors and starts
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder in which recorded drives are kept, and from which they are read if they are there
+    #[arg(long, value_name = "FOLDER")]
+    pub drives: Option<PathBuf>,
+    /// Only write all candidate poses with their errors, one in a line, to fit probabilities to
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub examples: Option<PathBuf>,
+    /// Drives in parallel; only computing times depend on it
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: u16,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A Gazebo world instead of a built-in one.
+#[derive(Debug, ClapArgs)]
+pub struct ImportedArgs {
+    /// A Gazebo world (SDF)
+    #[arg(long, requires = "map")]
+    pub world: Option<PathBuf>,
+    /// The OSM map of that world
+    #[arg(long, requires = "world")]
+    pub map: Option<PathBuf>,
+    /// Folder with the models that `model://` names; may be repeated
+    #[arg(long)]
+    pub models: Vec<PathBuf>,
+    /// Georeference of the world: UTM zone, and the metres that are added to easting and northing,
+    /// such as utm:50N,-500000,-4483000
+    #[arg(long)]
+    pub georef: Option<String>,
+}
+
+impl ImportedArgs {
+    /// The world that is asked for, if one is.
+    pub fn source(&self) -> Option<WorldSource> {
+        Some(WorldSource::Imported {
+            world: self.world.clone()?,
+            map: self.map.clone()?,
+            models: self.models.clone(),
+            georeference: self.georef.clone(),
+        })
+    }
 }
 
 /// Arguments of `bench health`.
@@ -230,19 +313,9 @@ pub struct BenchSimArgs {
     /// A built-in world
     #[arg(conflicts_with = "world", default_value = "medium")]
     pub name: String,
-    /// A Gazebo world (SDF)
-    #[arg(long, requires = "map")]
-    pub world: Option<PathBuf>,
-    /// The OSM map of that world
-    #[arg(long, requires = "world")]
-    pub map: Option<PathBuf>,
-    /// Folder with the models that `model://` names; may be repeated
-    #[arg(long)]
-    pub models: Vec<PathBuf>,
-    /// Georeference of the world: UTM zone, and the metres that are added to easting and northing,
-    /// such as utm:50N,-500000,-4483000
-    #[arg(long)]
-    pub georef: Option<String>,
+    /// A Gazebo world instead
+    #[command(flatten)]
+    pub imported: ImportedArgs,
     /// Number of pedestrians
     #[arg(long, default_value_t = 0)]
     pub pedestrians: u16,

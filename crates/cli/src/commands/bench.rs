@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::Context;
 use cpu_time::ProcessTime;
+use openbench_bench::TrafficPlan;
 use openbench_bench::worlds::source_named;
-use openbench_bench::{TrafficPlan, WorldSource};
 use openbench_localization::graph::{GraphSize, PoseGraph};
 use openbench_routing::Profile;
 use openbench_trials::speed::routing::{RoutingSpeed, measure as measure_routing, read_pairs};
@@ -14,7 +14,9 @@ use serde::Serialize;
 
 use crate::Extensions;
 use crate::args::{BenchArgs, BenchCommand, BenchPosegraphArgs, BenchRoutingArgs, BenchSimArgs};
-use crate::commands::{bench_health, bench_motion, bench_people, bench_towns, spare_inputs};
+use crate::commands::{
+    bench_health, bench_localization, bench_motion, bench_people, bench_towns, spare_inputs,
+};
 use crate::outcome::{Outcome, say, say_json};
 
 /// Measures what is asked for.
@@ -25,6 +27,7 @@ pub fn run(args: &BenchArgs, extensions: &Extensions) -> anyhow::Result<Outcome>
         BenchCommand::Posegraph(args) => posegraph(args),
         BenchCommand::Motion(args) => bench_motion::run(args, extensions),
         BenchCommand::People(args) => bench_people::run(args, extensions.parts()),
+        BenchCommand::Localization(args) => bench_localization::run(args),
         BenchCommand::Health(args) => bench_health::run(args, extensions.parts()),
         BenchCommand::Towns(args) => bench_towns::run(args, &extensions.agents()),
     }
@@ -127,15 +130,8 @@ fn routing_table(speed: &RoutingSpeed) -> String {
 }
 
 fn sim(args: &BenchSimArgs) -> anyhow::Result<Outcome> {
-    let source = match (&args.world, &args.map) {
-        (Some(world), Some(map)) => WorldSource::Imported {
-            world: world.clone(),
-            map: map.clone(),
-            models: args.models.clone(),
-            georeference: args.georef.clone(),
-        },
-        _ => source_named(&args.name),
-    };
+    let imported = args.imported.source();
+    let source = imported.unwrap_or_else(|| source_named(&args.name));
     let plan = TrafficPlan {
         pedestrians: args.pedestrians.into(),
         cars: args.cars.into(),

@@ -2,6 +2,7 @@
 
 pub mod bench;
 mod bench_health;
+mod bench_localization;
 mod bench_motion;
 mod bench_people;
 mod bench_towns;

@@ -30,7 +30,8 @@
 //!
 //! let half = 40.0;
 //! let area = Bounds { low: MapPoint::new(-half, -half), high: MapPoint::new(half, half) };
-//! let found = modes(&Field::over(&chart, area), &Evidence::of(&seen), &Headings::ALL, 5);
+//! let field = Field::over(&chart, area);
+//! let found = modes(&field, &Evidence::of(&seen), &Headings::ALL, &|_| 0.0, 5);
 //! // A rectangle looks the same from its opposite sides: two poses cost the least.
 //! let gap = |i: usize| found[i].cost - found[0].cost;
 //! assert!(gap(1) < 0.1 * gap(2), "{:?}", found);
@@ -46,14 +47,22 @@
 //! | [`field`] | what each place of the map costs a piece of evidence |
 //! | [`mod@vote`] | the cost of every pose in an area |
 //! | [`mod@modes`] | the best of these poses |
+//! | [`prior`] | where the robot can be by its start and its way |
 //! | [`mod@explain`] | how well a pose explains what was seen |
+//! | [`mod@candidates`] | the likely poses, refined and compared with what was seen |
+//! | [`probability`] | how probable each of them is |
+//! | [`locator`] | which of them to believe, over the whole way |
 //! | [`mod@refine`] | a pose made exact, with an offset of each building |
 
+pub mod candidates;
 pub mod chart;
 mod columns;
 pub mod explain;
 pub mod field;
+pub mod locator;
 pub mod modes;
+pub mod prior;
+pub mod probability;
 pub mod refine;
 pub mod stretch;
 pub mod submap;

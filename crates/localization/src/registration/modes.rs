@@ -22,13 +22,20 @@ const MAX_DEPTH_M: f32 = 2.0;
 pub struct Mode {
     /// The pose, in the chart's coordinates.
     pub pose: Pose2,
-    /// What it costs, nats.
+    /// What it costs, nats: evidence and prior together.
     pub cost: f64,
 }
 
 /// The best `most` modes of the places of a field's area and of headings; none without evidence of
-/// facades, which all poses explain equally well.
-pub fn modes(field: &Field, evidence: &Evidence, headings: &Headings, most: usize) -> Vec<Mode> {
+/// facades, which all poses explain equally well. `prior` is what a pose costs beforehand, nats;
+/// infinite where the robot cannot be.
+pub fn modes(
+    field: &Field,
+    evidence: &Evidence,
+    headings: &Headings,
+    prior: &dyn Fn(Pose2) -> f64,
+    most: usize,
+) -> Vec<Mode> {
     if evidence.facades() == 0 {
         return Vec::new();
     }
@@ -38,24 +45,32 @@ pub fn modes(field: &Field, evidence: &Evidence, headings: &Headings, most: usiz
     // Places that are not allowed cost the most, so that they hide none beside them.
     let mut costs = vec![u16::MAX; allowed.len()];
     vote(field, evidence, headings, &mut |slice| {
-        for ((cost, voted), is_allowed) in costs.iter_mut().zip(slice.costs).zip(&allowed) {
-            if *is_allowed {
+        let yaw = wrap_angle(slice.yaw);
+        let pose_at = |place: usize| {
+            let at = field.place(place % field.columns, place / field.columns);
+            Pose2::new(at.x, at.y, yaw)
+        };
+        for (place, (cost, voted)) in costs.iter_mut().zip(slice.costs).enumerate() {
+            if allowed[place] {
                 *cost = *voted;
-                best = best.min(*voted);
+                if *voted < best && prior(pose_at(place)).is_finite() {
+                    best = *voted;
+                }
             }
         }
         let limit = best.saturating_add(MARGIN).min(u16::MAX - 1);
         for row in 0..field.rows {
             for column in 0..field.columns {
-                let cost = costs[row * field.columns + column];
+                let place = row * field.columns + column;
+                let cost = costs[place];
                 if cost > limit || !is_least_around(&costs, field.columns, column, row) {
                     continue;
                 }
-                let at = field.place(column, row);
-                candidates.push(Mode {
-                    pose: Pose2::new(at.x, at.y, wrap_angle(slice.yaw)),
-                    cost: f64::from(cost) / UNITS_PER_NAT,
-                });
+                let pose = pose_at(place);
+                let cost = f64::from(cost) / UNITS_PER_NAT + prior(pose);
+                if cost.is_finite() {
+                    candidates.push(Mode { pose, cost });
+                }
                 if candidates.len() == MOST_CANDIDATES {
                     candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
                     candidates.truncate(MOST_CANDIDATES / 2);
@@ -63,8 +78,7 @@ pub fn modes(field: &Field, evidence: &Evidence, headings: &Headings, most: usiz
             }
         }
     });
-    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    distinct(&candidates, most)
+    distinct(candidates, most)
 }
 
 /// Whether a robot can be at each place.
@@ -76,15 +90,16 @@ fn allowed_places(field: &Field) -> Vec<bool> {
     .collect()
 }
 
-/// The first candidates that are not near a better one.
-fn distinct(candidates: &[Mode], most: usize) -> Vec<Mode> {
+/// The best candidates that are not near a better one.
+pub(super) fn distinct(mut candidates: Vec<Mode>, most: usize) -> Vec<Mode> {
+    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let mut modes: Vec<Mode> = Vec::new();
     for candidate in candidates {
         if modes.len() == most {
             break;
         }
         if !modes.iter().any(|mode| is_same(mode.pose, candidate.pose)) {
-            modes.push(*candidate);
+            modes.push(candidate);
         }
     }
     modes
@@ -124,7 +139,11 @@ mod tests {
     fn voted(houses: &[openbench_geometry::Polygon], pose: Pose2) -> Vec<Mode> {
         let submap = Submap::of(&[stretch_at(houses, pose)]);
         let field = Field::over(&chart(houses), square(30.0));
-        modes(&field, &Evidence::of(&submap), &Headings::ALL, 3)
+        modes(&field, &Evidence::of(&submap), &Headings::ALL, &anywhere, 3)
+    }
+
+    fn anywhere(_: Pose2) -> f64 {
+        0.0
     }
 
     fn square(half: f64) -> Bounds {
@@ -159,9 +178,18 @@ mod tests {
     }
 
     #[test]
+    fn poses_that_the_prior_excludes_are_no_modes() {
+        let seen = Submap::of(&[stretch_at(&town(), Pose2::new(4.0, 2.0, 0.0))]);
+        let field = Field::over(&chart(&town()), square(12.0));
+        let west = |pose: Pose2| if pose.x < 0.0 { 0.0 } else { f64::INFINITY };
+        let modes = modes(&field, &Evidence::of(&seen), &Headings::ALL, &west, 5);
+        assert!(modes.len() > 1 && modes.iter().all(|mode| mode.pose.x < 0.0));
+    }
+
+    #[test]
     fn a_submap_of_nothing_prefers_no_pose() {
         let field = Field::over(&chart(&town()), square(5.0));
         let nothing = Evidence::of(&Submap::default());
-        assert!(modes(&field, &nothing, &Headings::ALL, 9).is_empty());
+        assert!(modes(&field, &nothing, &Headings::ALL, &anywhere, 9).is_empty());
     }
 }

@@ -50,7 +50,7 @@ impl Default for Assumptions {
     fn default() -> Self {
         Self {
             building_m: 1.0,
-            expected_buildings: 2.0,
+            expected_buildings: 1.0,
             facade_m: 0.3,
             independence: 0.2,
             first_gate_m: 4.0,
@@ -92,6 +92,8 @@ pub struct Refined {
     pub building_m: f64,
     /// What each building says.
     pub buildings: Vec<BuildingEvidence>,
+    /// How close facades are to their walls, from 0, where none is within the gate, to 1.
+    pub closeness: f64,
     /// Facades that match a wall,
     pub matched: usize,
     /// of so many.
@@ -154,14 +156,16 @@ pub fn refine(
         }
     }
     // Evidence is about the pose that is returned, not about the one before the last step.
-    let matched = problem.linearise(&submap.facades, pose, assumed.last_gate_m, assumed);
-    (matched > 0).then(|| Refined {
+    let matches = problem.linearise(&submap.facades, pose, assumed.last_gate_m, assumed);
+    let facades = submap.facades.len();
+    (matches.count > 0).then(|| Refined {
         pose,
         information: problem.information(),
         building_m: problem.building_m,
         buildings: problem.matched_buildings(),
-        matched,
-        facades: submap.facades.len(),
+        closeness: matches.closeness / facades as f64,
+        matched: matches.count,
+        facades,
     })
 }
 
@@ -226,26 +230,27 @@ impl Problem {
         problem
     }
 
-    /// Sums up the equations at a pose; gives the number of matched facades.
+    /// Sums up the equations at a pose.
     fn linearise(
         &mut self,
         facades: &[Facade],
         pose: Pose2,
         gate: f64,
         assumed: &Assumptions,
-    ) -> usize {
+    ) -> Matches {
         self.buildings.iter_mut().for_each(BuildingEvidence::forget);
-        let mut matched = 0;
+        let mut matches = Matches::default();
         for facade in facades {
             let at = pose.transform(facade.at.x, facade.at.y);
             let Some(fit) = self.fit(at, facade.facing + pose.yaw, gate) else {
                 continue;
             };
-            matched += 1;
             let views = f64::from(facade.views.min(MOST_VIEWS)) / f64::from(MOST_VIEWS);
             let scaled = fit.away / gate;
             // Tukey's biweight: nothing jumps when a facade leaves the gate.
             let robust = (1.0 - scaled * scaled).powi(2);
+            matches.count += 1;
+            matches.closeness += robust;
             let weight =
                 robust * views * assumed.independence / (assumed.facade_m * assumed.facade_m);
             let normal = fit.normal;
@@ -260,7 +265,7 @@ impl Problem {
             building.own_gradient -= normal * (fit.away * weight);
             building.facades += 1;
         }
-        matched
+        matches
     }
 
     /// The nearest wall that a facade can be on.
@@ -323,6 +328,7 @@ impl Problem {
     /// expectation maximization.
     fn estimate_building_m(&mut self, assumed: &Assumptions) {
         let prior = self.prior();
+        let pose = self.information().try_inverse();
         let mut count = assumed.expected_buildings;
         let mut sum = count * assumed.building_m * assumed.building_m;
         for building in self
@@ -330,10 +336,14 @@ impl Problem {
             .iter()
             .filter(|building| building.facades > 0)
         {
-            let covariance = (building.own + Matrix2::identity() * prior).try_inverse();
-            // Offsets are pulled towards zero; what is not known of them counts as well.
-            let unknown = covariance.map_or(1.0 / prior, |covariance| 0.5 * covariance.trace());
-            sum += 0.5 * building.offset.norm_squared() + unknown;
+            // Offsets are pulled towards zero, and the pose follows those of buildings near it:
+            // what is not known of both counts as well. At most as much as the prior leaves.
+            let own = (building.own + Matrix2::identity() * prior).try_inverse();
+            let unknown = own.zip(pose).map_or(2.0 / prior, |(own, pose)| {
+                let by_pose = own * building.mixed.transpose();
+                (own + by_pose * pose * by_pose.transpose()).trace()
+            });
+            sum += 0.5 * (building.offset.norm_squared() + unknown.min(2.0 / prior));
             count += 1.0;
         }
         if count > 0.0 {
@@ -355,6 +365,14 @@ impl Problem {
         matched.retain(|building| building.facades > 0);
         matched
     }
+}
+
+/// Facades that match walls.
+#[derive(Debug, Clone, Copy, Default)]
+struct Matches {
+    count: usize,
+    /// Sum of their closeness, 0 at the gate and 1 on the wall.
+    closeness: f64,
 }
 
 /// A facade on a wall.

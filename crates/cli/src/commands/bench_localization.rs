@@ -1,0 +1,258 @@
+//! `openbench bench localization`
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use openbench_bench::suite::{Condition, Conditions, GoalKind, StartErrors};
+use openbench_bench::worlds::suite_named;
+use openbench_bench::{Prepared, Sensors, Suite, TargetSource, TrafficPlan};
+use openbench_osm::disturb::MapErrors;
+use openbench_osm::write_atomically;
+use openbench_trials::localization::cases::{Known, cases};
+use openbench_trials::localization::drives::{Drive, record};
+use openbench_trials::localization::examples::examples;
+use openbench_trials::localization::report::Report;
+use openbench_trials::localization::trial::trials;
+use serde::Serialize;
+
+use crate::args::BenchLocalizationArgs;
+use crate::outcome::{Outcome, say, say_json, tell};
+use crate::progress::progress_bar;
+
+/// What is printed.
+#[derive(Debug, Serialize)]
+struct Found {
+    /// How wrong the map is.
+    level: String,
+    /// What is known about the start.
+    start: String,
+    seed: u64,
+    /// On all worlds together.
+    #[serde(flatten)]
+    all: Report,
+    /// On each of them.
+    worlds: BTreeMap<String, Report>,
+}
+
+/// Localizes a robot on drives through worlds.
+pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
+    let level = level::<MapErrors>(&args.level).context("--level")?;
+    let is_on_map = args.start != "off";
+    let start = match is_on_map {
+        true => Some(level_of_start(&args.start)?),
+        false => None,
+    };
+    let beside = args.beside.as_deref().map(suite_named).transpose()?;
+    let beside = beside.map(Prepared::world_of).transpose()?;
+    let suites = suites(args)?;
+    let bar = progress_bar(2 * suites.len(), "worlds recorded and tried");
+    let threads = usize::from(args.jobs);
+    let mut worlds = BTreeMap::new();
+    let mut all = Vec::new();
+    let mut lines = String::new();
+    for (name, suite) in suites {
+        let prepared = Prepared::world_of(suite)?;
+        prepared.warnings().iter().for_each(|warning| tell(warning));
+        let drives = drives(args, &name, &prepared)?;
+        bar.inc(1);
+        let known = match (&start, &beside) {
+            (Some(start), _) => Known::Start(*start),
+            (None, Some(other)) => Known::Off(other),
+            (None, None) => anyhow::bail!("--start off needs --beside WORLD"),
+        };
+        let cases = cases(&prepared, &drives, &level, known, args.seed)?;
+        if args.examples.is_some() {
+            for example in examples(&cases, threads) {
+                let labelled = (&name, &args.level, &args.start, example);
+                writeln!(lines, "{}", serde_json::to_string(&labelled)?)?;
+            }
+        } else {
+            let moments = trials(&prepared, &cases, threads);
+            worlds.insert(name, Report::of(&moments, is_on_map));
+            all.extend(moments);
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if let Some(path) = &args.examples {
+        write_atomically(path, lines.as_bytes())?;
+        return Ok(Outcome::Done);
+    }
+    let found = Found {
+        level: args.level.clone(),
+        start: args.start.clone(),
+        seed: args.seed,
+        all: Report::of(&all, is_on_map),
+        worlds,
+    };
+    if args.json {
+        say_json(&found)?;
+    } else {
+        say(&table(&found))?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// The level of a condition with a name.
+fn level<C: Condition>(name: &str) -> anyhow::Result<C> {
+    let found = C::LEVELS.iter().find(|(known, _)| *known == name);
+    found.map(|(_, level)| *level).with_context(|| {
+        let known: Vec<&str> = C::LEVELS.iter().map(|(name, _)| *name).collect();
+        format!(
+            "there is no level `{name}`; write one of {}",
+            known.join(", ")
+        )
+    })
+}
+
+fn level_of_start(name: &str) -> anyhow::Result<StartErrors> {
+    level(name).context("--start, where `off` is also possible")
+}
+
+/// The worlds that are asked for, with their names.
+fn suites(args: &BenchLocalizationArgs) -> anyhow::Result<Vec<(String, Suite)>> {
+    if let Some(world) = args.imported.source() {
+        let file = args.imported.world.as_deref().and_then(Path::file_stem);
+        let name = file.map_or("world".into(), |stem| stem.to_string_lossy().into_owned());
+        let suite = Suite {
+            goal: GoalKind::default(),
+            name: name.clone(),
+            world,
+            targets: TargetSource::World,
+            traffic: TrafficPlan::default(),
+            episodes: Vec::new(),
+            sensors: Sensors::default(),
+            conditions: Conditions::default(),
+            seed: 0,
+        };
+        return Ok(vec![(name, suite)]);
+    }
+    let named = args
+        .worlds
+        .iter()
+        .map(|name| Ok((name.clone(), suite_named(name)?)));
+    named.collect()
+}
+
+/// The drives through a world: those that are kept, or new ones.
+fn drives(
+    args: &BenchLocalizationArgs,
+    name: &str,
+    prepared: &Prepared,
+) -> anyhow::Result<Vec<Drive>> {
+    let count = args.poses as usize;
+    let kept = args
+        .drives
+        .as_deref()
+        .map(|folder| kept(folder, name, args.seed));
+    if let Some(path) = kept.as_deref().filter(|path| path.exists()) {
+        let read =
+            || -> anyhow::Result<Vec<Drive>> { Ok(serde_json::from_slice(&std::fs::read(path)?)?) };
+        let mut drives = read().with_context(|| {
+            format!(
+                "{}: no recorded drives; delete it to record anew",
+                path.display()
+            )
+        })?;
+        if drives.len() >= count {
+            drives.truncate(count);
+            return Ok(drives);
+        }
+    }
+    let drives = record(prepared, args.seed, count, usize::from(args.jobs))?;
+    if let Some(path) = kept {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        write_atomically(&path, &serde_json::to_vec(&drives)?)?;
+    }
+    Ok(drives)
+}
+
+/// Where the drives through a world are kept.
+fn kept(folder: &Path, name: &str, seed: u64) -> PathBuf {
+    let plain: String = name
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+        .collect();
+    folder.join(format!("{plain}-seed-{seed}.json"))
+}
+
+fn table(found: &Found) -> String {
+    let mut text = format!("map {}, start {}\n", found.level, found.start);
+    text.push_str(&line([
+        "world",
+        "n",
+        "within 3 m: 0/20/40/60 m",
+        "1 m",
+        "accepted",
+        "fixes",
+        "wrong",
+        "inside 95",
+        "wall .5 m",
+        "ms",
+    ]));
+    for (name, report) in &found.worlds {
+        text.push_str(&row(name, report));
+    }
+    text.push_str(&row("all", &found.all));
+    text.push_str(
+        "\nRates in percent. 1 m: within 1 m after 40 m. Wrong: accepted fixes off by more than 5 m.
+Inside 95: fixes inside their ellipsoid of 95 %. Wall: distance to the nearest wall right within
+0.5 m. ms: median computing time of a fix while localized.\n",
+    );
+    if let Some(rate) = found.all.rejected_off_map {
+        let _ = writeln!(
+            text,
+            "Beside the map, {} % of the drives have no fix.",
+            percent(Some(rate))
+        );
+    }
+    text
+}
+
+fn row(name: &str, report: &Report) -> String {
+    let recall = |after: &str, limit: &str| percent(report.recall[after][limit]);
+    let within = ["0m", "20m", "40m", "60m"].map(|after| recall(after, "3"));
+    line([
+        name,
+        &report.n.to_string(),
+        &within.join(" / "),
+        &recall("40m", "1"),
+        &percent(report.accepted),
+        &report.fixes.to_string(),
+        &report.wrong_5m.to_string(),
+        &percent(report.inside_95),
+        &percent(report.wall_relative["0.5"]),
+        &report
+            .ms_p50
+            .map_or("–".to_owned(), |ms| format!("{ms:.1}")),
+    ])
+}
+
+/// A line of the table.
+fn line(
+    [
+        world,
+        n,
+        within,
+        metre,
+        accepted,
+        fixes,
+        wrong,
+        inside,
+        wall,
+        ms,
+    ]: [&str; 10],
+) -> String {
+    format!(
+        "{world:<16}  {n:>5}  {within:>27}  {metre:>5}  {accepted:>8}  {fixes:>6}  {wrong:>5}  \
+         {inside:>9}  {wall:>9}  {ms:>5}\n"
+    )
+}
+
+fn percent(rate: Option<f64>) -> String {
+    rate.map_or("–".to_owned(), |rate| format!("{:.1}", 100.0 * rate))
+}

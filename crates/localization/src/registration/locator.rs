@@ -1,0 +1,398 @@
+//! Where the robot is on the map, from all that it saw since it was switched on.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use nalgebra::Matrix3;
+use openbench_core::frames::wrap_angle;
+use openbench_core::{Pose2, Start};
+use openbench_geometry::Bounds;
+use openbench_osm::OsmMap;
+
+use super::candidates::{Candidate, candidates, in_map};
+use super::chart::Chart;
+use super::field::{CELL_M, MARGIN_CELLS};
+use super::prior::{Prior, relative};
+use super::stretch::Stretch;
+use super::submap::Submap;
+
+/// So many of the last stretches are compared with the map: 40 m.
+const STRETCHES: usize = 8;
+/// A chart reaches farther than is needed at first by this, metres, so that it serves for a while.
+const RESERVE_M: f64 = 50.0;
+/// A pose this probable is accepted at once.
+const SURE: f64 = 0.995;
+/// One that was this probable at two places is accepted,
+const LIKELY: f64 = 0.95;
+/// and one that was this probable at three.
+const PROBABLE: f64 = 0.9;
+/// Places are so far apart on the way, metres: what is seen from nearer ones is nearly the same.
+const APART_M: f64 = 10.0;
+/// A hypothesis is confirmed by a pose no farther than this from where it should be, metres,
+const SAME_M: f64 = 3.0;
+/// and turned no more, radians.
+const SAME_RAD: f64 = 0.1;
+/// Once the robot is localized, so many poses in turn that are improbable or elsewhere say that it
+/// is not.
+const DOUBTS: usize = 3;
+/// A pose less probable than this is one of them.
+const IMPROBABLE: f64 = 0.5;
+/// After that the robot is where it was thought to be with this deviation, metres,
+const LOST_M: f64 = 10.0;
+/// and this one, radians.
+const LOST_RAD: f64 = 0.35;
+
+/// A pose of the robot on the map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Located {
+    /// The pose in `map`.
+    pub pose: Pose2,
+    /// The candidate, in the coordinates of the locator's chart.
+    pub candidate: Candidate,
+}
+
+impl Located {
+    /// Information about x, y of `map`, and yaw.
+    pub fn information(&self) -> Matrix3<f64> {
+        self.candidate.refined.information
+    }
+}
+
+/// A pose that may be the robot's, and where it was confirmed.
+#[derive(Debug, Clone)]
+pub struct Hypothesis {
+    /// The newest pose.
+    pub located: Located,
+    /// Pose of the robot in `odom` there.
+    here: Pose2,
+    /// How probable it was, and after how many metres; the newest one is the last.
+    confirmations: Vec<Confirmation>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Confirmation {
+    driven_m: f64,
+    probability: f64,
+}
+
+/// Finds out where the robot is.
+#[derive(Debug, Clone)]
+pub struct Locator {
+    map: Arc<OsmMap>,
+    bounds: Option<Bounds>,
+    prior: Option<Prior>,
+    /// Pose in `odom` that the prior is about.
+    since: Option<Pose2>,
+    way: VecDeque<Stretch>,
+    driven_m: f64,
+    chart: Option<(Chart, Bounds)>,
+    bank: Vec<Hypothesis>,
+    /// Whether it accepts poses.
+    decides: bool,
+    is_located: bool,
+    doubts: usize,
+}
+
+impl Locator {
+    /// On a map, from what is known about the start.
+    pub fn new(map: Arc<OsmMap>, start: &Start) -> Self {
+        let boxes = map
+            .buildings
+            .iter()
+            .map(|building| building.polygon.bounds());
+        Self {
+            bounds: boxes.reduce(Bounds::union),
+            map,
+            prior: Prior::new(start),
+            since: None,
+            way: VecDeque::new(),
+            driven_m: 0.0,
+            chart: None,
+            bank: Vec::new(),
+            decides: true,
+            is_located: false,
+            doubts: 0,
+        }
+    }
+
+    /// One that accepts no pose, to look at its hypotheses.
+    pub fn undecided(map: Arc<OsmMap>, start: &Start) -> Self {
+        Self {
+            decides: false,
+            ..Self::new(map, start)
+        }
+    }
+
+    /// The buildings in whose coordinates candidates are.
+    pub fn chart(&self) -> Option<&Chart> {
+        self.chart.as_ref().map(|(chart, _)| chart)
+    }
+
+    /// What may be true, the most probable one first.
+    pub fn hypotheses(&self) -> &[Hypothesis] {
+        &self.bank
+    }
+
+    /// Whether a pose is accepted.
+    pub fn is_located(&self) -> bool {
+        self.is_located
+    }
+
+    /// Takes in a first look around, before a stretch has ended.
+    pub fn look(&mut self, first: &Stretch) -> Option<Located> {
+        self.since.get_or_insert(first.end);
+        let submap = Submap::of(std::slice::from_ref(first));
+        self.consider(&submap, first.end)
+    }
+
+    /// Takes in a stretch; gives the pose at its end if it is accepted.
+    pub fn take(&mut self, stretch: Stretch) -> Option<Located> {
+        self.since.get_or_insert(stretch.end);
+        let here = stretch.end;
+        self.driven_m += stretch.metres;
+        self.way.push_back(stretch);
+        if self.way.len() > STRETCHES {
+            self.way.pop_front();
+        }
+        let submap = Submap::of(self.way.make_contiguous());
+        self.consider(&submap, here)
+    }
+
+    fn consider(&mut self, submap: &Submap, here: Pose2) -> Option<Located> {
+        let since = self.since?;
+        let prior = self.prior?.after(relative(since, here));
+        self.reach(&prior)?;
+        let (chart, _) = self.chart.as_ref()?;
+        let found = candidates(chart, submap, &prior);
+        let located = found.into_iter().map(|candidate| Located {
+            pose: in_map(chart, candidate.refined.pose),
+            candidate,
+        });
+        let bank = located
+            .map(|located| self.hypothesis(located, here))
+            .collect();
+        self.bank = bank;
+        self.decide(here)
+    }
+
+    /// Makes the chart reach as far as the robot may see.
+    fn reach(&mut self, prior: &Prior) -> Option<()> {
+        let area = prior.area(self.bounds?);
+        let is_inside = |reached: &Bounds| area.corners().iter().all(|at| reached.holds(*at, 0.0));
+        if self
+            .chart
+            .as_ref()
+            .is_none_or(|(_, reached)| !is_inside(reached))
+        {
+            let reached = area.grown(RESERVE_M);
+            let seen = reached.grown(MARGIN_CELLS as f64 * CELL_M);
+            let radius = seen.middle().distance(seen.high);
+            let chart = Chart::around(&self.map, seen.middle(), radius);
+            self.chart = Some((chart, reached));
+        }
+        Some(())
+    }
+
+    /// A candidate with the confirmations of the hypothesis that it confirms.
+    fn hypothesis(&self, located: Located, here: Pose2) -> Hypothesis {
+        let confirms = |one: &&Hypothesis| {
+            let expected = one.located.pose.compose(relative(one.here, here));
+            is_same(expected, located.pose)
+        };
+        let earlier = self.bank.iter().find(confirms);
+        let mut confirmations = earlier.map_or(Vec::new(), |one| one.confirmations.clone());
+        confirmations.push(Confirmation {
+            driven_m: self.driven_m,
+            probability: located.candidate.probability,
+        });
+        Hypothesis {
+            located,
+            here,
+            confirmations,
+        }
+    }
+
+    /// Whether the best hypothesis is to be believed.
+    fn decide(&mut self, here: Pose2) -> Option<Located> {
+        let best = self.bank.first();
+        let is_probable = best.is_some_and(|best| best.located.candidate.probability >= IMPROBABLE);
+        if self.is_located {
+            if is_probable {
+                self.doubts = 0;
+            } else {
+                self.doubts += 1;
+                if self.doubts >= DOUBTS {
+                    self.give_up(here);
+                }
+                return None;
+            }
+        } else {
+            self.is_located = self.decides && best.is_some_and(Hypothesis::is_certain);
+        }
+        let accepted = self.is_located.then(|| best.cloned()).flatten()?;
+        self.prior = Prior::new(&Start::exact(accepted.located.pose));
+        self.since = Some(here);
+        Some(accepted.located)
+    }
+
+    /// Begins anew near where the robot was thought to be.
+    fn give_up(&mut self, here: Pose2) {
+        self.is_located = false;
+        self.doubts = 0;
+        self.bank.clear();
+        let about = self.prior.zip(self.since).and_then(|(prior, since)| {
+            let pose = prior.given()?.compose(relative(since, here));
+            let mut covariance = [[0.0; 3]; 3];
+            for (axis, deviation) in [LOST_M, LOST_M, LOST_RAD].into_iter().enumerate() {
+                covariance[axis][axis] = deviation * deviation;
+            }
+            Prior::new(&Start::Pose { pose, covariance })
+        });
+        if about.is_some() {
+            self.prior = about;
+            self.since = Some(here);
+        }
+    }
+}
+
+impl Hypothesis {
+    /// Whether it was confirmed often enough, at places that lie apart.
+    fn is_certain(&self) -> bool {
+        let probability = self.located.candidate.probability;
+        probability >= SURE
+            || self.places(LIKELY) >= 2 && probability >= LIKELY
+            || self.places(PROBABLE) >= 3 && probability >= PROBABLE
+    }
+
+    /// At how many places apart it was at least so probable.
+    fn places(&self, probability: f64) -> usize {
+        let mut last = f64::NEG_INFINITY;
+        let mut count = 0;
+        for one in &self.confirmations {
+            if one.probability >= probability && one.driven_m - last >= APART_M {
+                last = one.driven_m;
+                count += 1;
+            }
+        }
+        count
+    }
+}
+
+fn is_same(a: Pose2, b: Pose2) -> bool {
+    a.point().distance(b.point()) < SAME_M && wrap_angle(a.yaw - b.yaw).abs() < SAME_RAD
+}
+
+#[cfg(test)]
+mod tests {
+    use openbench_geometry::Polygon;
+
+    use super::super::town::{block, map, village, way};
+    use super::*;
+
+    /// Poses along a road, five metres apart.
+    fn road(from: f64, y: f64, count: usize) -> Vec<Pose2> {
+        let at = |i: usize| Pose2::new(from + 5.0 * i as f64, y, 0.05 * libm::sin(i as f64));
+        (0..count).map(at).collect()
+    }
+
+    fn locator(houses: &[Polygon], start: Start) -> Locator {
+        Locator::new(Arc::new(map(houses)), &start)
+    }
+
+    /// Drives along poses; gives what is accepted at each.
+    fn driven(locator: &mut Locator, houses: &[Polygon], poses: &[Pose2]) -> Vec<Option<Located>> {
+        let stretches = way(houses, poses);
+        stretches
+            .into_iter()
+            .map(|stretch| locator.take(stretch))
+            .collect()
+    }
+
+    #[test]
+    fn a_robot_that_knows_nothing_finds_itself_on_its_way() {
+        let town = village(7);
+        let poses = road(-40.0, 50.0, 12);
+        let mut locator = locator(&town, Start::Anywhere);
+        let found = driven(&mut locator, &town, &poses);
+        let last = found.last().unwrap().as_ref().expect("it is localized");
+        let truth = poses[poses.len() - 1];
+        assert!(
+            last.pose.point().distance(truth.point()) < 0.3,
+            "{:?}",
+            last.pose
+        );
+        for (located, truth) in found.iter().zip(&poses) {
+            let error = located
+                .as_ref()
+                .map_or(0.0, |one| one.pose.point().distance(truth.point()));
+            assert!(error < 0.5, "{error}");
+        }
+    }
+
+    #[test]
+    fn in_another_town_nothing_is_accepted() {
+        let mut locator = locator(&village(8), Start::Anywhere);
+        let found = driven(&mut locator, &village(7), &road(-40.0, 50.0, 12));
+        let accepted: Vec<_> = found.iter().flatten().map(|one| &one.candidate).collect();
+        assert!(accepted.is_empty(), "{accepted:#?}");
+    }
+
+    #[test]
+    fn among_equal_houses_nothing_is_accepted() {
+        // Two endless rows: each place is as all others.
+        let row = |y: f64| (-20..20).map(move |i| block(f64::from(i) * 14.0, y, 8.0, 8.0));
+        let houses: Vec<_> = row(-10.0).chain(row(10.0)).collect();
+        let mut locator = locator(&houses, Start::Anywhere);
+        let found = driven(&mut locator, &houses, &road(-30.0, 0.0, 12));
+        assert!(found.iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn a_robot_that_was_carried_away_notices() {
+        let town = village(7);
+        let start = Start::exact(Pose2::new(-40.0, 50.0, 0.0));
+        let mut locator = locator(&town, start);
+        driven(&mut locator, &town, &road(-40.0, 50.0, 8));
+        assert!(locator.is_located());
+        // To another road, while odometry goes on.
+        let mut stretches = way(&town, &road(-30.0, 100.0, 16));
+        let carried = Pose2::new(35.0, 0.0, 0.0);
+        for stretch in &mut stretches {
+            stretch.end = carried.compose(stretch.end);
+            for facade in &mut stretch.facades {
+                facade.at = carried.transform(facade.at.x, facade.at.y);
+            }
+            for panorama in &mut stretch.panoramas {
+                panorama.from = carried.transform(panorama.from.x, panorama.from.y);
+            }
+        }
+        let mut noticed = false;
+        for stretch in stretches {
+            locator.take(stretch);
+            noticed |= !locator.is_located();
+        }
+        assert!(noticed);
+    }
+
+    #[test]
+    fn without_buildings_or_a_start_nothing_is_accepted() {
+        let town = village(7);
+        let poses = road(-40.0, 50.0, 3);
+        let nan = Start::exact(Pose2::new(f64::NAN, 0.0, 0.0));
+        let mut none = locator(&town, nan);
+        assert!(driven(&mut none, &town, &poses).iter().all(Option::is_none));
+        let mut empty = locator(&[], Start::Anywhere);
+        assert!(
+            driven(&mut empty, &town, &poses)
+                .iter()
+                .all(Option::is_none)
+        );
+        let mut blind = locator(&town, Start::Anywhere);
+        let mut nothing = way(&town, &poses[..1]).remove(0);
+        nothing.facades.clear();
+        nothing.panoramas.clear();
+        assert_eq!(blind.look(&nothing), None);
+        nothing.end = Pose2::new(f64::NAN, f64::NAN, f64::NAN);
+        assert_eq!(blind.take(nothing), None);
+    }
+}

@@ -1,0 +1,128 @@
+//! How probable poses are, from how well they explain what was seen.
+//!
+//! A conditional logit (D. McFadden, *Conditional logit analysis of qualitative choice behavior*,
+//! 1974): the robot is at one of the candidates, or at none of them. The logit of a candidate is
+//! the sum of its features times the weights, and the logit of none is zero. The weights are fitted
+//! to drives in training worlds (`benchmarks/localization/fit.py`).
+
+use super::explain::Explained;
+use super::refine::Refined;
+
+/// Number of features.
+pub const FEATURES: usize = 11;
+/// What a probability is computed from, in the order of the weights.
+pub type Features = [f64; FEATURES];
+
+/// What each feature says.
+const WEIGHTS: Features = [
+    -0.357, -0.036, 0.270, 1.202, 2.053, -1.827, 0.262, -1.274, 2.897, -0.428, -1.208,
+];
+
+/// What speaks for a candidate.
+#[derive(Debug, Clone, Copy)]
+pub struct Merits<'a> {
+    /// Where it is, refined.
+    pub refined: &'a Refined,
+    /// What it explains.
+    pub explained: &'a Explained,
+    /// What it costs, nats,
+    pub cost: f64,
+    /// and how much more than the cheapest one.
+    pub more: f64,
+    /// Number of pieces of facades that voted.
+    pub pieces: usize,
+    /// Size of the space in which it was searched: square metres times the share of all headings.
+    /// In a larger one more poses fit by chance.
+    pub searched: f64,
+}
+
+impl Merits<'_> {
+    /// As numbers to weigh.
+    pub fn features(&self) -> Features {
+        let pieces = self.pieces as f64;
+        let information = self.refined.information.fixed_view::<2, 2>(0, 0);
+        let weakest = information.into_owned().symmetric_eigenvalues().min();
+        [
+            1.0,
+            self.more / 10.0,
+            self.cost / (pieces + 10.0),
+            logit(self.refined.closeness),
+            logit(self.explained.facades),
+            libm::log(0.01 + self.explained.through),
+            libm::log(1.0 + pieces),
+            libm::log(1.0 + self.refined.buildings.len() as f64),
+            libm::log(0.1 + weakest.max(0.0)),
+            self.refined.building_m,
+            libm::log(1.0 + self.searched),
+        ]
+    }
+}
+
+/// Of a share; finite at its ends.
+fn logit(share: f64) -> f64 {
+    libm::log((share + 0.02) / (1.02 - share))
+}
+
+/// The probability of each candidate of an attempt. They sum up to less than one, since the robot
+/// may be at none of them.
+pub fn probabilities(candidates: &[Features]) -> Vec<f64> {
+    let logit = |features: &Features| -> f64 {
+        let weighted = features.iter().zip(WEIGHTS);
+        weighted.map(|(feature, weight)| feature * weight).sum()
+    };
+    let logits: Vec<f64> = candidates.iter().map(logit).collect();
+    // Relative to the largest, so that none overflows.
+    let most = logits.iter().copied().fold(0.0, f64::max);
+    let odds: Vec<f64> = logits.iter().map(|logit| libm::exp(logit - most)).collect();
+    let all = odds.iter().sum::<f64>() + libm::exp(-most);
+    odds.into_iter().map(|odds| odds / all).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A good pose, but for what is changed.
+    fn good(change: impl Fn(&mut Features)) -> Features {
+        let mut features = [
+            1.0,
+            0.0,
+            0.5,
+            logit(0.9),
+            logit(0.95),
+            -4.6,
+            5.0,
+            2.0,
+            1.0,
+            0.8,
+            9.0,
+        ];
+        change(&mut features);
+        features
+    }
+
+    #[test]
+    fn the_better_one_of_two_is_more_probable_and_both_leave_room_for_none() {
+        let poor = good(|features| features[4] = logit(0.5));
+        let found = probabilities(&[poor, good(|_| {})]);
+        assert!(
+            found[1] > found[0] && found.iter().sum::<f64>() < 1.0,
+            "{found:?}"
+        );
+        // Alone, it is more probable than beside another one.
+        assert!(probabilities(&[good(|_| {})])[0] > found[1]);
+    }
+
+    #[test]
+    fn what_is_found_in_a_large_area_is_less_probable() {
+        let large = good(|features| features[10] = 14.0);
+        assert!(probabilities(&[large])[0] < probabilities(&[good(|_| {})])[0]);
+    }
+
+    #[test]
+    fn no_logit_is_too_large() {
+        let huge = good(|features| features[8] = 1e6);
+        assert_eq!(probabilities(&[huge, good(|_| {})]), [1.0, 0.0]);
+        assert!(probabilities(&[]).is_empty());
+    }
+}

@@ -1,0 +1,193 @@
+//! Drives that are recorded once, so that the robot can be localized on them in many maps.
+
+use std::time::Duration;
+
+use openbench_bench::run::threads;
+use openbench_bench::{BenchError, Prepared};
+use openbench_core::Pose2;
+use openbench_localization::registration::locator::{Located, Locator};
+use openbench_localization::registration::{Gatherer, Stretch, stretch::STRETCH_M};
+use openbench_localization::{LidarInertial, Localizer};
+use serde::{Deserialize, Serialize};
+
+use crate::tour::{STANDSTILL, Style, Tour, drive};
+
+/// Length of a drive, metres.
+pub const DRIVE_M: f64 = 60.0;
+/// Legs of a drive.
+const LEGS: usize = (DRIVE_M / STRETCH_M) as usize;
+/// Most drives of one tour.
+const DRIVES_OF_TOUR: usize = 10;
+/// Duration of a drive: half a metre in a second, with stops now and then.
+const DRIVE: Duration = Duration::from_secs(135);
+/// A first look consists of so many scans.
+const FIRST_SCANS: usize = 5;
+
+/// What was seen on a stretch, and where that was in truth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Seen {
+    /// What the LiDAR saw, in the frame of odometry.
+    pub stretch: Stretch,
+    /// True pose of the robot at its end.
+    pub truth: Pose2,
+}
+
+/// Five metres of a drive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Leg {
+    /// Its first half second, as if the robot had been switched on there.
+    pub first: Seen,
+    /// All of it.
+    pub whole: Seen,
+}
+
+/// A drive of [`DRIVE_M`] metres.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Drive {
+    /// Its legs, in their order.
+    pub legs: Vec<Leg>,
+}
+
+/// What a robot is shown at a moment of a drive.
+#[derive(Debug, Clone, Copy)]
+pub struct Shown<'a> {
+    /// What it sees.
+    pub seen: &'a Seen,
+    /// Whether that is the first look, before it drives.
+    pub is_first: bool,
+    /// Metres driven.
+    pub metres: f64,
+}
+
+impl Drive {
+    /// Pose of the robot in the frame of odometry when it begins.
+    pub fn start(&self) -> Pose2 {
+        self.legs
+            .first()
+            .map_or(Pose2::default(), |leg| leg.first.stretch.end)
+    }
+
+    /// What the robot is shown: a first look, then each leg.
+    pub fn shown(&self) -> Vec<Shown<'_>> {
+        let first = self.legs.first().map(|leg| Shown {
+            seen: &leg.first,
+            is_first: true,
+            metres: 0.0,
+        });
+        let mut metres = 0.0;
+        let wholes = self.legs.iter().map(|leg| {
+            metres += leg.whole.stretch.metres;
+            Shown {
+                seen: &leg.whole,
+                is_first: false,
+                metres,
+            }
+        });
+        first.into_iter().chain(wholes).collect()
+    }
+}
+
+impl Shown<'_> {
+    /// Shows it to a locator; gives the pose that is accepted, if one is.
+    pub fn to(&self, locator: &mut Locator) -> Option<Located> {
+        if self.is_first {
+            locator.look(&self.seen.stretch)
+        } else {
+            locator.take(self.seen.stretch.clone())
+        }
+    }
+}
+
+/// Records `count` drives through a world, on tours along doors in random order. Drives have no
+/// metre in common. They do not depend on the number of threads, and the first ones not on `count`.
+/// In heavy traffic they may be fewer.
+///
+/// # Errors
+/// A world in which a robot cannot drive.
+pub fn record(
+    prepared: &Prepared,
+    seed: u64,
+    count: usize,
+    threads: usize,
+) -> Result<Vec<Drive>, BenchError> {
+    let mut drives = Vec::new();
+    // Traffic makes some tours shorter than others.
+    for round in 0.. {
+        let missing = count - drives.len();
+        if missing == 0 || round == 3 {
+            break;
+        }
+        let tours = missing.div_ceil(DRIVES_OF_TOUR);
+        let tour = |i: usize| {
+            let own = seed.wrapping_mul(1_000_000) + round * 1000 + i as u64;
+            let most = (missing - i * DRIVES_OF_TOUR).min(DRIVES_OF_TOUR);
+            tour(prepared, own, most as u32)
+        };
+        let recorded = threads::each(0..tours, threads, tour, Ok::<_, BenchError>)?;
+        drives.extend(recorded.into_iter().flatten().take(missing));
+    }
+    Ok(drives)
+}
+
+/// The drives of one tour, `most` at most.
+fn tour(prepared: &Prepared, seed: u64, most: u32) -> Result<Vec<Drive>, BenchError> {
+    let tour = Tour {
+        time: STANDSTILL + DRIVE * most,
+        via: Vec::new(),
+        style: Style::Smooth,
+        seed,
+        standstill: STANDSTILL,
+    };
+    let mut odometry = LidarInertial::new(prepared.robot.clone());
+    odometry.reset(Pose2::default());
+    let mut legs = Vec::new();
+    let mut recorder = LegRecorder::new(prepared);
+    drive(prepared, &tour, &mut |simulator, _| {
+        let observation = simulator.observation();
+        odometry.update(&observation);
+        if let (Some(scan), true) = (observation.scan, odometry.ready()) {
+            let truth = Pose2::from_pose3(&simulator.base_link());
+            let gathered = recorder.whole.take(scan, &odometry);
+            if recorder.scans < FIRST_SCANS {
+                recorder.scans += 1;
+                recorder.first.take(scan, &odometry);
+                if recorder.scans == FIRST_SCANS {
+                    let stretch = recorder.first.unfinished();
+                    recorder.seen = stretch.map(|stretch| Seen { stretch, truth });
+                }
+            }
+            if let Some(stretch) = gathered {
+                let whole = Seen { stretch, truth };
+                legs.extend(recorder.seen.take().map(|first| Leg { first, whole }));
+                recorder = LegRecorder::new(prepared);
+            }
+        }
+        Ok(())
+    })?;
+    let drives = legs.chunks_exact(LEGS);
+    Ok(drives
+        .map(|legs| Drive {
+            legs: legs.to_vec(),
+        })
+        .collect())
+}
+
+/// Gathers one leg.
+struct LegRecorder {
+    whole: Gatherer,
+    first: Gatherer,
+    scans: usize,
+    seen: Option<Seen>,
+}
+
+impl LegRecorder {
+    fn new(prepared: &Prepared) -> Self {
+        let gatherer = Gatherer::new(prepared.robot.lidar);
+        Self {
+            whole: gatherer.clone(),
+            first: gatherer,
+            scans: 0,
+            seen: None,
+        }
+    }
+}

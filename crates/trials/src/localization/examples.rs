@@ -1,0 +1,71 @@
+//! Candidates with the truth about them, to fit their probabilities.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use openbench_bench::run::threads;
+use openbench_localization::registration::locator::{Hypothesis, Locator};
+use openbench_localization::registration::prior::relative;
+use openbench_localization::registration::probability::Features;
+use serde::Serialize;
+
+use super::cases::Case;
+use super::drives::Shown;
+use super::trial::pose_errors;
+
+/// A candidate, and how far it is from the truth.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Example {
+    /// Number of the case.
+    pub case: usize,
+    /// Metres driven before.
+    pub metres: f64,
+    /// Where the robot would have started, in the map's frame: x, y, yaw.
+    pub start: [f64; 3],
+    /// Distance from the true position, metres; null if the robot is not on the map.
+    pub error_m: Option<f64>,
+    /// Difference from the true heading, radians.
+    pub error_rad: Option<f64>,
+    /// What its probability is computed from.
+    pub features: Features,
+    /// The probability.
+    pub probability: f64,
+}
+
+/// The candidates of all cases, in their order.
+pub fn examples(cases: &[Case<'_>], threads: usize) -> Vec<Example> {
+    let one = |i: usize| Ok::<_, Infallible>(of_case(i, &cases[i]));
+    let found = threads::each(0..cases.len(), threads, one, Ok::<_, Infallible>);
+    let found = found.unwrap_or_else(|never| match never {});
+    found.into_iter().flatten().collect()
+}
+
+/// The candidates of a case after each leg of its drive, if none is ever accepted.
+fn of_case(number: usize, case: &Case<'_>) -> Vec<Example> {
+    let mut locator = Locator::undecided(Arc::clone(&case.map.map), &case.start);
+    let mut examples = Vec::new();
+    for shown in case.drive.shown() {
+        shown.to(&mut locator);
+        let example = |one| example(number, case, &shown, one);
+        examples.extend(locator.hypotheses().iter().map(example));
+    }
+    examples
+}
+
+fn example(number: usize, case: &Case<'_>, shown: &Shown<'_>, one: &Hypothesis) -> Example {
+    let pose = one.located.pose;
+    let back = relative(shown.seen.stretch.end, case.drive.start());
+    let start = pose.compose(back);
+    let errors = case
+        .on_map(shown.seen.truth)
+        .map(|truth| pose_errors(pose, truth));
+    Example {
+        case: number,
+        metres: shown.metres,
+        start: [start.x, start.y, start.yaw],
+        error_m: errors.map(|errors| errors.metres),
+        error_rad: errors.map(|errors| errors.radians),
+        features: one.located.candidate.features,
+        probability: one.located.candidate.probability,
+    }
+}

@@ -1,0 +1,15 @@
+//! Where a robot finds itself on a public map with errors.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`drives`] | what a robot sees on its way, recorded once |
+//! | [`cases`] | maps with errors, and what is known about the start |
+//! | [`examples`] | candidates with the truth, to fit their probabilities |
+//! | [`report`] | what trials found, in numbers |
+//! | [`trial`] | what a locator finds on a drive |
+
+pub mod cases;
+pub mod drives;
+pub mod examples;
+pub mod report;
+pub mod trial;

@@ -1,0 +1,201 @@
+//! What a locator finds on a drive.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::time::Instant;
+
+use nalgebra::Vector3;
+use openbench_bench::Prepared;
+use openbench_bench::run::threads;
+use openbench_core::frames::wrap_angle;
+use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::Segment;
+use openbench_localization::registration::locator::{Located, Locator};
+use openbench_localization::registration::prior::relative;
+use openbench_osm::OsmMap;
+use openbench_osm::disturb::MapState;
+
+use super::cases::Case;
+
+/// Walls farther from the robot are not compared, metres.
+const WALL_M: f64 = 25.0;
+/// A building of the map is a true one if it is no farther from where that should be, metres.
+const SAME_BUILDING_M: f64 = 2.0;
+
+/// What was known at a moment of a drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Metres driven.
+    pub metres: f64,
+    /// The error of the pose that is accepted, carried on by odometry; `None` if none is.
+    pub error: Option<PoseErrors>,
+    /// The best hypothesis of this moment, accepted or not.
+    pub guess: Option<Guess>,
+    /// The fix of this moment, if there was one.
+    pub fix: Option<FixErrors>,
+    /// Whether the robot was localized before.
+    pub was_located: bool,
+    /// Computing time, milliseconds.
+    pub ms: f64,
+}
+
+/// A pose that may be the robot's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Guess {
+    /// Its probability.
+    pub probability: f64,
+    /// Its errors.
+    pub error: PoseErrors,
+}
+
+/// Errors of a pose on a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseErrors {
+    /// Of the position, metres; infinite if the map is of another place.
+    pub metres: f64,
+    /// Of the heading, radians.
+    pub radians: f64,
+}
+
+/// Errors of an accepted fix.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FixErrors {
+    /// Of its pose.
+    pub pose: PoseErrors,
+    /// Normalized estimation error squared: three degrees of freedom.
+    pub nees: f64,
+    /// Error of the distance to the nearest wall, metres; `None` if none is near, or it is not on
+    /// the map.
+    pub wall_m: Option<f64>,
+}
+
+/// Localizes the robot on the drives of all cases through a world.
+pub fn trials(prepared: &Prepared, cases: &[Case<'_>], threads: usize) -> Vec<Vec<Moment>> {
+    let truth_map = OsmMap::new(&prepared.world.map, prepared.world.georeference);
+    let one = |i: usize| Ok::<_, Infallible>(trial(&truth_map, &cases[i]));
+    let moments = threads::each(0..cases.len(), threads, one, Ok::<_, Infallible>);
+    moments.unwrap_or_else(|never| match never {})
+}
+
+/// Localizes the robot along a drive. `truth_map` is the map without errors.
+fn trial(truth_map: &OsmMap, case: &Case<'_>) -> Vec<Moment> {
+    let mut locator = Locator::new(Arc::clone(&case.map.map), &case.start);
+    // The newest accepted pose, and the pose of odometry there.
+    let mut accepted: Option<(Pose2, Pose2)> = None;
+    let mut moments = Vec::new();
+    for shown in case.drive.shown() {
+        let seen = shown.seen;
+        let was_located = locator.is_located();
+        let began = Instant::now();
+        let located = shown.to(&mut locator);
+        let ms = began.elapsed().as_secs_f64() * 1e3;
+        if let Some(located) = &located {
+            accepted = Some((seen.stretch.end, located.pose));
+        } else if !locator.is_located() {
+            accepted = None;
+        }
+        let truth = case.on_map(seen.truth);
+        let errors = |pose| truth.map_or(PoseErrors::ELSEWHERE, |truth| pose_errors(pose, truth));
+        let error =
+            accepted.map(|(odom, pose)| errors(pose.compose(relative(odom, seen.stretch.end))));
+        let guess = locator.hypotheses().first().map(|best| Guess {
+            probability: best.located.candidate.probability,
+            error: errors(best.located.pose),
+        });
+        let fix = located.map(|located| FixErrors {
+            pose: errors(located.pose),
+            nees: truth.map_or(f64::INFINITY, |truth| nees(&located, truth)),
+            wall_m: wall_error(truth_map, case, seen.truth, &locator, &located),
+        });
+        let moment = Moment {
+            metres: shown.metres,
+            error,
+            guess,
+            fix,
+            was_located,
+            ms,
+        };
+        moments.push(moment);
+    }
+    moments
+}
+
+impl PoseErrors {
+    /// Of a pose on a map of another place.
+    const ELSEWHERE: Self = Self {
+        metres: f64::INFINITY,
+        radians: f64::INFINITY,
+    };
+}
+
+/// How far a pose is from the truth.
+pub(super) fn pose_errors(pose: Pose2, truth: Pose2) -> PoseErrors {
+    PoseErrors {
+        metres: pose.point().distance(truth.point()),
+        radians: wrap_angle(pose.yaw - truth.yaw).abs(),
+    }
+}
+
+fn nees(located: &Located, truth: Pose2) -> f64 {
+    let pose = located.pose;
+    let turn = wrap_angle(pose.yaw - truth.yaw);
+    let error = Vector3::new(pose.x - truth.x, pose.y - truth.y, turn);
+    error.dot(&(located.information() * error))
+}
+
+/// Error of the distance between the robot and the nearest wall that is on the map, as the locator
+/// estimates both.
+fn wall_error(
+    truth_map: &OsmMap,
+    case: &Case<'_>,
+    truth: Pose2,
+    locator: &Locator,
+    located: &Located,
+) -> Option<f64> {
+    let wrong = case.map.errors.as_ref()?;
+    let chart = locator.chart()?;
+    let here = truth.point();
+    let near = truth_map.buildings_within(here, WALL_M);
+    let is_mapped = |i: &usize| {
+        let error = wrong.buildings.get(&truth_map.buildings[*i].element);
+        error.is_some_and(|error| error.state != MapState::Missing)
+    };
+    let (building, wall) = near
+        .into_iter()
+        .filter(is_mapped)
+        .filter_map(|i| Some((i, nearest_wall(truth_map, i, here)?)))
+        .min_by(|(_, a), (_, b)| {
+            a.distance_to_point(here)
+                .total_cmp(&b.distance_to_point(here))
+        })?;
+    let id = truth_map.buildings[building].element;
+    let middle = truth_map.buildings[building].polygon.bounds().middle();
+    // Where the building and the robot beside it are on the map.
+    let middle = wrong.beside(Some(id), middle);
+    let beside = wrong.beside(Some(id), here);
+    let in_chart = MapPoint::new(middle.x - chart.origin.x, middle.y - chart.origin.y);
+    let distance = |i: &usize| {
+        let outline: &openbench_geometry::Polygon = &chart.outlines[*i];
+        outline.bounds().middle().distance(in_chart)
+    };
+    let mapped = (0..chart.outlines.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    if distance(&mapped) > SAME_BUILDING_M {
+        return None;
+    }
+    let evidence = &located.candidate.refined.buildings;
+    let own = evidence.iter().find(|one| one.building == mapped);
+    let offset = own.map_or((0.0, 0.0), |one| (one.offset.x, one.offset.y));
+    let normal = wall.outward() + wrong.frame.yaw;
+    let (x, y) = (
+        located.pose.x - offset.0 - beside.x,
+        located.pose.y - offset.1 - beside.y,
+    );
+    Some((libm::cos(normal) * x + libm::sin(normal) * y).abs())
+}
+
+fn nearest_wall(map: &OsmMap, building: usize, here: MapPoint) -> Option<Segment> {
+    map.buildings[building].polygon.sides().min_by(|a, b| {
+        a.distance_to_point(here)
+            .total_cmp(&b.distance_to_point(here))
+    })
+}
