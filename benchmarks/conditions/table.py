@@ -175,6 +175,7 @@ def main():
     parser.add_argument("--seeds", default="10000..10004")
     parser.add_argument("--agent", default="open")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--levels", nargs="*", help="only these, such as light=dusk")
     parser.add_argument("--deliveries", type=pathlib.Path, help="a CSV file that keeps them")
     args = parser.parse_args()
     print("| condition | deliveries | SR (strict) | SPL | time | pose error | lost | won | causes |")
@@ -182,6 +183,8 @@ def main():
     kept = read(args.deliveries) if args.deliveries and args.deliveries.exists() else []
     plain = None
     for conditions in LEVELS:
+        if conditions and args.levels and conditions[0] not in args.levels:
+            continue
         deliveries = [one for one in kept if one["condition"] == name_of(conditions)]
         if not deliveries:
             deliveries = run(args, conditions)
