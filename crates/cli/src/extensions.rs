@@ -373,7 +373,7 @@ mod tests {
     fn a_source_of_fixes_takes_its_argument() {
         let log = FixesPart::with_argument(|file| match file {
             "" => Err("write fixes=log:FILE".into()),
-            _ => Ok(Box::new(no_fixes)),
+            _ => Ok(Box::new(|_| Vec::new())),
         });
         let extensions = Extensions::new().with_fixes_part("log:FILE", "recorded fixes", log);
         let localizer = |fixes| extensions.parts().localizer("fused", Some(fixes));

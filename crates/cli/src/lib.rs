@@ -61,7 +61,7 @@ use std::sync::OnceLock;
 use clap::FromArgMatches as _;
 
 pub use extensions::{ExtensionError, Extensions};
-pub use openbench_agents::open::parts::{Fixes, FixesPart, LocalizerPart, PartError};
+pub use openbench_agents::open::parts::{Fixes, FixesPart, LocalizerPart, PartError, Situation};
 pub use openbench_bench::run::registry::AgentError;
 pub use openbench_bench::{AgentFactory, AgentRequest, Build, ModelDigest, Setting};
 

@@ -2,7 +2,9 @@
 
 /// One standard deviation of a pose's position and rotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PoseDeviation {
-    pub(crate) metres: f64,
-    pub(crate) radians: f64,
+pub struct PoseDeviation {
+    /// Of the position along each axis, metres.
+    pub metres: f64,
+    /// Of the rotation, radians.
+    pub radians: f64,
 }

@@ -3,6 +3,9 @@
 use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2};
 use openbench_core::{GnssFix, Observation, Pose2, SimTime};
 
+use crate::deviation::PoseDeviation;
+use crate::track::Track;
+
 /// A measured pose in `map` at an instant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fix {
@@ -35,8 +38,20 @@ pub trait FixSource {
     /// Begins anew.
     fn reset(&mut self);
 
-    /// Takes in sensor data; `near` is the estimated pose of the robot.
-    fn update(&mut self, observation: &Observation<'_>, near: Pose2) -> Option<Fix>;
+    /// How well the start is known in `map` as these fixes have it, if that is worse than it is
+    /// given: a map may be displaced.
+    fn start_deviation(&self) -> Option<PoseDeviation> {
+        None
+    }
+
+    /// Takes in sensor data. `near` is the estimated pose of the robot, and `track` where it was
+    /// by odometry.
+    fn update(
+        &mut self,
+        observation: &Observation<'_>,
+        near: Pose2,
+        track: &dyn Track,
+    ) -> Option<Fix>;
 }
 
 /// A satellite fix of more standard deviations than this is an outlier.
@@ -125,7 +140,12 @@ impl FixSource for Gnss {
         self.last = None;
     }
 
-    fn update(&mut self, observation: &Observation<'_>, near: Pose2) -> Option<Fix> {
+    fn update(
+        &mut self,
+        observation: &Observation<'_>,
+        near: Pose2,
+        _track: &dyn Track,
+    ) -> Option<Fix> {
         self.fix(observation.gnss?, observation.time, near)
     }
 }

@@ -68,8 +68,8 @@ impl Fused {
         let start = Isometry2::identity();
         Self {
             odometry: LidarInertial::new(robot),
+            window: window(start, known(&sources)),
             sources,
-            window: window(start),
             key: None,
             published: start,
             estimated: start,
@@ -94,7 +94,10 @@ impl Fused {
         match self.key {
             // Odometry has a covariance from its first scan on, and the graph begins where the
             // robot is then.
-            None => self.window = window(self.published * isometry(here.odom)),
+            None => {
+                let start = self.published * isometry(here.odom);
+                self.window = window(start, known(&self.sources));
+            }
             Some(last) if here.is_new_after(&last) => {
                 let motion = isometry(last.odom).inverse() * isometry(here.odom);
                 self.window.advance(motion, information(&last, &here));
@@ -197,7 +200,7 @@ impl Localizer for Fused {
         let start = isometry(start);
         self.published = start;
         self.estimated = start;
-        self.window = window(start);
+        self.window = window(start, known(&self.sources));
         self.key = None;
         self.now = SimTime::ZERO;
     }
@@ -210,7 +213,7 @@ impl Localizer for Fused {
         let near = self.pose();
         let mut fixes = Vec::new();
         for source in &mut self.sources {
-            fixes.extend(source.update(observation, near));
+            fixes.extend(source.update(observation, near, &self.odometry));
         }
         fixes.iter().for_each(|fix| self.apply(fix));
         self.correct(seconds.min(MAX_INTERVAL_S));
@@ -265,10 +268,20 @@ impl Localizer for Fused {
     }
 }
 
-/// A graph that begins at a pose in `map`.
-fn window(start: Isometry2<f64>) -> Window<Isometry2<f64>, 3> {
-    let level = 1.0 / (START.metres * START.metres);
-    let turn = 1.0 / (START.radians * START.radians);
+/// How well the start is known in the map that the sources of fixes use.
+fn known(sources: &[Box<dyn FixSource>]) -> PoseDeviation {
+    let worse = |known: PoseDeviation, other: PoseDeviation| PoseDeviation {
+        metres: known.metres.max(other.metres),
+        radians: known.radians.max(other.radians),
+    };
+    let deviations = sources.iter().filter_map(|source| source.start_deviation());
+    deviations.fold(START, worse)
+}
+
+/// A graph that begins at a pose in `map`, known so well.
+fn window(start: Isometry2<f64>, known: PoseDeviation) -> Window<Isometry2<f64>, 3> {
+    let level = 1.0 / (known.metres * known.metres);
+    let turn = 1.0 / (known.radians * known.radians);
     Window::new(
         start,
         Matrix3::from_diagonal(&[level, level, turn].into()),

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `localizer` | [`Localizer`]: what every localizer offers; agents know only it |
 //! | `dead_reckoning` | [`DeadReckoning`]: distance from wheels, heading from the gyroscope |
+//! | `track` | [`Track`]: where the robot was while a scan was taken |
 //! | [`lio`] | LiDAR-inertial odometry |
 //! | [`lidar_inertial`] | [`LidarInertial`]: that odometry with wheels, from a known start |
 //! | [`wheels`] | wheel angles as velocities |
@@ -25,10 +26,13 @@ pub mod lio;
 mod localizer;
 pub mod registration;
 mod so3;
+mod track;
 pub mod wheels;
 
 pub use dead_reckoning::DeadReckoning;
+pub use deviation::PoseDeviation;
 pub use fixes::{Fix, FixSource};
 pub use fused::Fused;
 pub use lidar_inertial::LidarInertial;
 pub use localizer::Localizer;
+pub use track::Track;

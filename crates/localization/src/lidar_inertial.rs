@@ -6,8 +6,8 @@ use openbench_core::{Doubt, Health, Observation, Pose2, Pose3, RobotDescription,
 use crate::Localizer;
 use crate::history::History;
 use crate::lio::{ImuNoise, LidarInertialOdometry, LidarNoise, Settings, Status};
-use crate::registration::Track;
 use crate::so3::hat;
+use crate::track::Track;
 use crate::wheels::Wheels;
 
 /// A pose with a larger standard deviation is degraded, metres.

@@ -9,7 +9,7 @@ use common::Robot;
 use nalgebra::{Isometry2, Matrix3, Vector2};
 use openbench_core::{Observation, Pose2, RobotDescription, SimTime};
 use openbench_localization::graph::FixCount;
-use openbench_localization::{Fix, FixSource, Fused, Localizer};
+use openbench_localization::{Fix, FixSource, Fused, Localizer, Track};
 
 /// A source whose fixes are set from outside. It gives one a second.
 struct Oracle {
@@ -26,7 +26,12 @@ impl FixSource for Oracle {
         self.last = SimTime::ZERO;
     }
 
-    fn update(&mut self, observation: &Observation<'_>, _near: Pose2) -> Option<Fix> {
+    fn update(
+        &mut self,
+        observation: &Observation<'_>,
+        _near: Pose2,
+        _track: &dyn Track,
+    ) -> Option<Fix> {
         if observation.time.since(self.last).as_secs_f64() < 1.0 {
             return None;
         }

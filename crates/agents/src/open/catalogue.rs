@@ -1,9 +1,12 @@
 //! The parts that OPEN can be made of, by name. A new part is one file and one line here; a part
 //! from elsewhere is added to a [`Catalogue`] from outside.
 
+use std::sync::Arc;
+
 use openbench_core::{Registry, RobotDescription, UnknownName};
 use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::fixes::Gnss;
+use openbench_localization::registration::Registrar;
 use openbench_localization::{DeadReckoning, Fused, LidarInertial};
 use openbench_models::ModelSpec;
 use openbench_motion::local::built_in::built_in;
@@ -14,7 +17,9 @@ use openbench_vision::readers::{self, Readers};
 use openbench_vision::{PlateReader, ReaderContext};
 
 use super::models::Models;
-use super::parts::{Fixes, FixesPart, LocalizerPart, MakeFixes, MakeLocalizer, PartError, Parts};
+use super::parts::{
+    Fixes, FixesPart, LocalizerPart, MakeFixes, MakeSituated, PartError, Parts, Situation,
+};
 use super::settings::{self, Settings, SettingsError};
 
 /// The parts that OPEN can be made of.
@@ -64,6 +69,11 @@ fn localizers() -> Registry<LocalizerPart> {
 fn fixes() -> Registry<FixesPart> {
     Registry::new("source of fixes")
         .with("gnss", "a satellite receiver", FixesPart::new(gnss))
+        .with(
+            "osm",
+            "the buildings of the public map",
+            FixesPart::on_map(buildings),
+        )
         .with("none", "no fixes", FixesPart::new(|_| Vec::new()))
 }
 
@@ -78,6 +88,17 @@ fn local_planners() -> LocalPlanners {
 fn gnss(robot: &RobotDescription) -> Fixes {
     let antenna = robot.gnss.unwrap_or_default();
     vec![Box::new(Gnss::new(antenna.translation.vector.xy()))]
+}
+
+/// Without a map there is nothing to register scans to.
+fn buildings(situation: &Situation<'_>) -> Fixes {
+    let registrar = situation
+        .map
+        .map(|map| Registrar::new(Arc::clone(map), situation.start, situation.robot.lidar));
+    registrar
+        .into_iter()
+        .map(|one| Box::new(one) as _)
+        .collect()
 }
 
 impl Catalogue {
@@ -176,18 +197,22 @@ impl Catalogue {
         &self,
         name: &str,
         fixes: Option<&str>,
-    ) -> Result<Box<MakeLocalizer>, SettingsError> {
+    ) -> Result<Box<MakeSituated>, SettingsError> {
         let part = self.localizers.get(name);
         let part = part.map_err(|source| unknown_part("localizer", name, source))?;
         match (part.clone(), fixes) {
-            (LocalizerPart::WithoutFixes(make), None) => Ok(Box::new(move |robot| make(robot))),
+            (LocalizerPart::WithoutFixes(make), None) => {
+                Ok(Box::new(move |situation| make(situation.robot)))
+            }
             (LocalizerPart::WithoutFixes(_), Some(fixes)) => Err(SettingsError::TakesNoFixes {
                 fixes: fixes.to_owned(),
                 localizer: name.to_owned(),
             }),
             (LocalizerPart::WithFixes(make), fixes) => {
                 let fixes = self.sources(fixes.unwrap_or(settings::NO_FIXES))?;
-                Ok(Box::new(move |robot| make(robot, fixes(robot))))
+                Ok(Box::new(move |situation| {
+                    make(situation.robot, fixes(situation))
+                }))
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The mission: deliveries one after another, and the stages of each.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::Duration;
 
 use openbench_core::{
@@ -19,7 +20,7 @@ use crate::open::doorstep;
 use crate::open::driving::{Driver, Driving, Target};
 use crate::open::exploration::{self, Waypoint};
 use crate::open::memory::Memory;
-use crate::open::parts::Parts;
+use crate::open::parts::{Parts, Situation};
 use crate::open::perception::Perception;
 use crate::open::settings;
 use crate::open::sighting::Sighting;
@@ -204,7 +205,11 @@ impl Mission {
         .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let driver = Driver::new(terrain, robot.clone(), motion)
             .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
-        let mut localizer = (parts.localizer)(&robot);
+        let mut localizer = (parts.localizer)(&Situation {
+            robot: &robot,
+            map: Some(&Arc::new(memory.map().clone())),
+            start: briefing.start,
+        });
         localizer.reset(start);
         Ok(Self {
             perception: Perception::new(robot.clone()),

@@ -3,13 +3,13 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use openbench_core::RobotDescription;
+use openbench_core::{Pose2, RobotDescription, Start};
 use openbench_language::Planner;
 use openbench_localization::{FixSource, Localizer};
 use openbench_models::Meter;
 use openbench_motion::costmap::Preferences;
 use openbench_motion::local::PlannerEntry;
-use openbench_osm::OsmData;
+use openbench_osm::{OsmData, OsmMap};
 use openbench_vision::PlateReader;
 
 /// Why a part cannot be made.
@@ -17,8 +17,32 @@ pub type PartError = Box<dyn Error + Send + Sync>;
 /// The sources of fixes of a localizer.
 pub type Fixes = Vec<Box<dyn FixSource>>;
 
+/// What a localizer is made for.
+#[derive(Debug, Clone, Copy)]
+pub struct Situation<'a> {
+    /// The robot.
+    pub robot: &'a RobotDescription,
+    /// The public map, if there is one.
+    pub map: Option<&'a Arc<OsmMap>>,
+    /// What is known about the start, in the `map` frame.
+    pub start: Start,
+}
+
+impl<'a> Situation<'a> {
+    /// A robot without a map, at the origin.
+    pub const fn without_map(robot: &'a RobotDescription) -> Self {
+        Self {
+            robot,
+            map: None,
+            start: Start::exact(Pose2::new(0.0, 0.0, 0.0)),
+        }
+    }
+}
+
 /// Makes the sources of fixes of a robot.
-pub type MakeFixes = dyn Fn(&RobotDescription) -> Fixes + Send + Sync;
+pub type MakeFixes = dyn Fn(&Situation<'_>) -> Fixes + Send + Sync;
+/// Makes the localizer of a robot, with its fixes.
+pub type MakeSituated = dyn Fn(&Situation<'_>) -> Box<dyn Localizer> + Send + Sync;
 /// Reads the argument of a source of fixes: what follows the colon in `fixes=NAME:ARGUMENT`, else
 /// nothing.
 pub type ReadFixes = dyn Fn(&str) -> Result<Box<MakeFixes>, PartError> + Send + Sync;
@@ -59,10 +83,15 @@ pub struct FixesPart(Arc<ReadFixes>);
 impl FixesPart {
     /// A source that takes no argument.
     pub fn new(make: impl Fn(&RobotDescription) -> Fixes + Send + Sync + 'static) -> Self {
+        Self::on_map(move |situation| make(situation.robot))
+    }
+
+    /// A source that takes no argument and uses the public map.
+    pub fn on_map(make: impl Fn(&Situation<'_>) -> Fixes + Send + Sync + 'static) -> Self {
         let make = Arc::new(make);
         Self::with_argument(move |_| {
             let make = make.clone();
-            Ok(Box::new(move |robot| make(robot)))
+            Ok(Box::new(move |situation| make(situation)))
         })
     }
 
@@ -90,7 +119,7 @@ pub struct Parts {
     /// Reads plates.
     pub reader: Box<dyn PlateReader>,
     /// Makes what estimates the robot's pose.
-    pub localizer: Box<MakeLocalizer>,
+    pub localizer: Box<MakeSituated>,
     /// Makes what turns paths into velocities.
     pub motion: PlannerEntry,
     /// Which ground is preferred to other.

@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use nalgebra::{Isometry2, Matrix3, Vector2};
 use openbench_core::{Observation, Pose2, SimTime};
-use openbench_localization::{Fix, FixSource};
+use openbench_localization::{Fix, FixSource, Track};
 use openbench_sim::noise::Noise;
 
 use crate::run::PosesOnMap;
@@ -153,7 +153,12 @@ impl FixSource for SimulatedFixes {
         self.last = None;
     }
 
-    fn update(&mut self, observation: &Observation<'_>, near: Pose2) -> Option<Fix> {
+    fn update(
+        &mut self,
+        observation: &Observation<'_>,
+        near: Pose2,
+        _track: &dyn Track,
+    ) -> Option<Fix> {
         let stamp = observation.time;
         if !self.is_due(stamp) {
             return None;
@@ -180,10 +185,17 @@ impl FixSource for SimulatedFixes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use openbench_core::{Camera, Image};
+    use openbench_core::{Camera, Image, Pose3};
 
     use crate::run::truth::{Instant, TruthHandle};
     use std::sync::Arc;
+
+    struct Still;
+    impl Track for Still {
+        fn pose3_at(&self, _: SimTime) -> Pose3 {
+            Pose3::identity()
+        }
+    }
 
     struct Blind;
     impl Camera for Blind {
@@ -236,7 +248,7 @@ mod tests {
                 gnss: None,
                 camera: &Blind,
             };
-            let fix = fixes.update(&seen, Pose2::default());
+            let fix = fixes.update(&seen, Pose2::default(), &Still);
             off.extend(
                 fix.map(|fix| (fix.pose.translation.vector - Vector2::new(7.0, 3.0)).norm()),
             );

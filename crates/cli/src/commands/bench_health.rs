@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::time::Duration;
 
 use openbench_agents::open::Catalogue;
+use openbench_agents::open::parts::Situation;
 use openbench_bench::Prepared;
 use openbench_bench::worlds::suite_named;
 use openbench_core::RobotDescription;
@@ -17,7 +18,8 @@ pub fn run(args: &BenchHealthArgs, parts: &Catalogue) -> anyhow::Result<Outcome>
     let localizer = parts.localizer(&args.localizer, None)?;
     let prepared = Prepared::world_of(suite_named(&args.world)?)?;
     prepared.warnings().iter().for_each(|w| tell(w));
-    let make = || localizer(&RobotDescription::sentry());
+    let robot = RobotDescription::sentry();
+    let make = || localizer(&Situation::without_map(&robot));
     let time = Duration::from_secs_f64(args.minutes * 60.0);
     let trials = trials(&prepared, args.seed, time, usize::from(args.jobs), &make)?;
     if args.json {

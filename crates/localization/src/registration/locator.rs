@@ -17,15 +17,15 @@ use super::stretch::Stretch;
 use super::submap::Submap;
 
 /// So many of the last stretches are compared with the map: 40 m.
-const STRETCHES: usize = 8;
+pub const STRETCHES: usize = 8;
 /// A chart reaches farther than is needed at first by this, metres, so that it serves for a while.
 const RESERVE_M: f64 = 50.0;
 /// A pose this probable is accepted at once.
-const SURE: f64 = 0.995;
+const SURE: f64 = 0.998;
 /// One that was this probable at two places is accepted,
-const LIKELY: f64 = 0.95;
+const LIKELY: f64 = 0.98;
 /// and one that was this probable at three.
-const PROBABLE: f64 = 0.9;
+const PROBABLE: f64 = 0.95;
 /// Places are so far apart on the way, metres: what is seen from nearer ones is nearly the same.
 const APART_M: f64 = 10.0;
 /// A hypothesis is confirmed by a pose no farther than this from where it should be, metres,

@@ -52,6 +52,7 @@
 //! | [`mod@candidates`] | the likely poses, refined and compared with what was seen |
 //! | [`probability`] | how probable each of them is |
 //! | [`locator`] | which of them to believe, over the whole way |
+//! | [`registrar`] | fixes from all that |
 //! | [`mod@refine`] | a pose made exact, with an offset of each building |
 
 pub mod candidates;
@@ -64,6 +65,7 @@ pub mod modes;
 pub mod prior;
 pub mod probability;
 pub mod refine;
+pub mod registrar;
 pub mod stretch;
 pub mod submap;
 #[cfg(test)]
@@ -72,5 +74,6 @@ pub mod vote;
 
 pub use chart::Chart;
 pub use columns::Facade;
-pub use stretch::{Gatherer, Stretch, Track};
+pub use registrar::Registrar;
+pub use stretch::{Gatherer, Stretch};
 pub use submap::Submap;

@@ -9,6 +9,7 @@ use openbench_core::{MapPoint, Pose2, Start};
 use openbench_geometry::Bounds;
 
 use super::vote::Headings;
+use crate::deviation::PoseDeviation;
 
 /// A start is never known better in a map than this, metres: the map itself may be displaced,
 const LEAST_DEVIATION_M: f64 = 3.0;
@@ -18,6 +19,8 @@ const LEAST_DEVIATION_RAD: f64 = 3.0 * PI / 180.0;
 const MOST_DEVIATIONS: f64 = 4.0;
 /// A place is at most so far outside the given area or map, metres.
 const BEYOND_M: f64 = 6.0;
+/// A place anywhere is known no better than this, metres.
+const ANYWHERE_M: f64 = 1000.0;
 /// Odometry errs by at most this share of the way.
 const DRIFT: f64 = 0.02;
 
@@ -69,6 +72,19 @@ impl Prior {
     #[must_use]
     pub fn after(self, motion: Pose2) -> Self {
         Self { motion, ..self }
+    }
+
+    /// How well the start is known: that of a place anywhere is known to a kilometre.
+    pub fn deviation(&self) -> PoseDeviation {
+        let metres = match &self.start {
+            Start::Pose { .. } => self.deviation_m,
+            Start::Area { radius_m, .. } => radius_m + BEYOND_M,
+            Start::Anywhere => ANYWHERE_M,
+        };
+        PoseDeviation {
+            metres,
+            radians: self.deviation_rad,
+        }
     }
 
     /// The pose that is given for the start, if one is.

@@ -15,7 +15,7 @@ pub type Features = [f64; FEATURES];
 
 /// What each feature says.
 const WEIGHTS: Features = [
-    -0.357, -0.036, 0.270, 1.202, 2.053, -1.827, 0.262, -1.274, 2.897, -0.428, -1.208,
+    -0.260, -0.013, 0.051, 3.205, 0.616, -1.121, 0.768, -1.433, 2.441, 0.214, -1.005,
 ];
 
 /// What speaks for a candidate.
@@ -68,7 +68,8 @@ fn logit(share: f64) -> f64 {
 pub fn probabilities(candidates: &[Features]) -> Vec<f64> {
     let logit = |features: &Features| -> f64 {
         let weighted = features.iter().zip(WEIGHTS);
-        weighted.map(|(feature, weight)| feature * weight).sum()
+        let sum: f64 = weighted.map(|(feature, weight)| feature * weight).sum();
+        if sum.is_nan() { f64::NEG_INFINITY } else { sum }
     };
     let logits: Vec<f64> = candidates.iter().map(logit).collect();
     // Relative to the largest, so that none overflows.
@@ -123,6 +124,8 @@ mod tests {
     fn no_logit_is_too_large() {
         let huge = good(|features| features[8] = 1e6);
         assert_eq!(probabilities(&[huge, good(|_| {})]), [1.0, 0.0]);
+        let none = good(|features| features[9] = f64::NAN);
+        assert_eq!(probabilities(&[none, huge]), [0.0, 1.0]);
         assert!(probabilities(&[]).is_empty());
     }
 }

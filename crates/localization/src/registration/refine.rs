@@ -337,13 +337,14 @@ impl Problem {
             .filter(|building| building.facades > 0)
         {
             // Offsets are pulled towards zero, and the pose follows those of buildings near it:
-            // what is not known of both counts as well. At most as much as the prior leaves.
+            // what is not known of both counts as well. At most as much as the prior leaves, and
+            // none where rounding makes a covariance of a pose that nothing constrains negative.
             let own = (building.own + Matrix2::identity() * prior).try_inverse();
             let unknown = own.zip(pose).map_or(2.0 / prior, |(own, pose)| {
                 let by_pose = own * building.mixed.transpose();
                 (own + by_pose * pose * by_pose.transpose()).trace()
             });
-            sum += 0.5 * (building.offset.norm_squared() + unknown.min(2.0 / prior));
+            sum += 0.5 * (building.offset.norm_squared() + unknown.clamp(0.0, 2.0 / prior));
             count += 1.0;
         }
         if count > 0.0 {

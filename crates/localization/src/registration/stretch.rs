@@ -5,7 +5,9 @@ use std::time::Duration;
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::frames::wrap_angle;
-use openbench_core::{LidarScan, MapPoint, Pose2, Pose3, SimTime};
+use openbench_core::{LidarScan, MapPoint, Pose2, Pose3};
+
+use crate::track::Track;
 
 use super::columns::{CELL_M, Columns, Facade, Sight, Surveyed};
 
@@ -16,7 +18,7 @@ const SCAN_DISTANCE_M: f64 = 0.3;
 /// or this turn, radians.
 const SCAN_TURN_RAD: f64 = 0.2;
 /// At the start so many scans are taken, though the robot stands.
-const FIRST_SCANS: u16 = 5;
+pub const FIRST_SCANS: u16 = 5;
 /// No more scans are taken, as when a robot turns on the spot.
 const MOST_SCANS: u16 = 60;
 /// A pose farther than this from the last one is of another `odom`, metres.
@@ -52,12 +54,6 @@ pub struct Stretch {
     pub facades: Vec<Facade>,
     /// What was free, from places about a metre apart.
     pub panoramas: Vec<Panorama>,
-}
-
-/// Where the robot is while a scan is taken: poses of `base_link` in a frame that has no jumps.
-pub trait Track {
-    /// The pose at an instant of the last second.
-    fn pose3_at(&self, time: SimTime) -> Pose3;
 }
 
 /// Gathers scans into stretches.
@@ -254,6 +250,8 @@ pub(super) fn direction(bearing: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use openbench_core::SimTime;
+
     use super::super::town::{Still, block, scan, stretch_at};
     use super::*;
 

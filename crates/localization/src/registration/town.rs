@@ -8,12 +8,13 @@ use openbench_osm::{OsmData, OsmMap, Projection};
 
 use super::chart::{Chart, Wall};
 use super::prior::relative;
-use super::stretch::{Gatherer, Stretch, Track};
+use super::stretch::{Gatherer, Stretch};
+use crate::track::Track;
 
 /// Height of all houses, metres.
 const HEIGHT_M: f64 = 6.0;
 /// Where the LiDAR is on the robot, metres above the ground.
-const SENSOR_M: f64 = 0.3;
+pub(super) const SENSOR_M: f64 = 0.3;
 
 /// A house about a point.
 pub(super) fn block(x: f64, y: f64, width: f64, depth: f64) -> Polygon {
