@@ -11,6 +11,7 @@ use openbench_osm::OsmMap;
 
 use super::candidates::{Candidate, candidates, in_map};
 use super::chart::Chart;
+use super::estimate::Estimate;
 use super::field::{CELL_M, MARGIN_CELLS};
 use super::prior::{Prior, relative};
 use super::stretch::Stretch;
@@ -32,15 +33,18 @@ const APART_M: f64 = 10.0;
 const SAME_M: f64 = 3.0;
 /// and turned no more, radians.
 const SAME_RAD: f64 = 0.1;
-/// Once the robot is localized, so many poses in turn that are improbable or elsewhere say that it
-/// is not.
+/// A pose explains what is seen if facades are as close to walls, and rays through walls as few, as
+/// this difference says. In a street of parallel facades that holds along all of it, so that it
+/// says whether a known pose is still right, and not which one is.
+const EXPLAINED: f64 = 0.35;
+/// Once the robot is localized, so many poses in turn that explain too little, or are elsewhere,
+/// say that it is not.
 const DOUBTS: usize = 3;
-/// A pose less probable than this is one of them.
-const IMPROBABLE: f64 = 0.5;
-/// After that the robot is where it was thought to be with this deviation, metres,
-const LOST_M: f64 = 10.0;
-/// and this one, radians.
-const LOST_RAD: f64 = 0.35;
+/// After that the robot is this far from where it was thought to be, metres.
+const LOST_M: f64 = 75.0;
+
+/// A fix shares its walls with those of the last 80 m: this share of its information is new.
+pub const NEW: f64 = 1.0 / 16.0;
 
 /// A pose of the robot on the map.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +93,8 @@ pub struct Locator {
     bank: Vec<Hypothesis>,
     /// Whether it accepts poses.
     decides: bool,
-    is_located: bool,
+    /// The accepted pose by all fixes so far; `None` if the robot is not localized.
+    estimate: Option<Estimate>,
     doubts: usize,
 }
 
@@ -110,7 +115,7 @@ impl Locator {
             chart: None,
             bank: Vec::new(),
             decides: true,
-            is_located: false,
+            estimate: None,
             doubts: 0,
         }
     }
@@ -135,7 +140,12 @@ impl Locator {
 
     /// Whether a pose is accepted.
     pub fn is_located(&self) -> bool {
-        self.is_located
+        self.estimate.is_some()
+    }
+
+    /// The accepted pose by all fixes so far, where the robot was last.
+    pub fn estimate(&self) -> Option<&Estimate> {
+        self.estimate.as_ref()
     }
 
     /// Takes in a first look around, before a stretch has ended.
@@ -215,43 +225,63 @@ impl Locator {
     /// Whether the best hypothesis is to be believed.
     fn decide(&mut self, here: Pose2) -> Option<Located> {
         let best = self.bank.first();
-        let is_probable = best.is_some_and(|best| best.located.candidate.probability >= IMPROBABLE);
-        if self.is_located {
-            if is_probable {
-                self.doubts = 0;
+        let Some(known) = self.estimate.map(|known| known.carried(here)) else {
+            let best = best.filter(|best| self.decides && best.is_certain())?;
+            let located = best.located.clone();
+            let estimate = Estimate::new(located.pose, located.information(), here)?;
+            self.accept(estimate, here);
+            return Some(located);
+        };
+        let explaining = best.map(|best| &best.located).filter(|located| {
+            let Candidate {
+                refined, explained, ..
+            } = &located.candidate;
+            refined.closeness - explained.through >= EXPLAINED
+        });
+        let fused = explaining.and_then(|located| {
+            let fused = known.with(located.pose, located.information() * NEW)?;
+            Some((fused, located.clone()))
+        });
+        let Some((fused, located)) = fused else {
+            self.doubts += 1;
+            if self.doubts < DOUBTS {
+                self.keep(known, here);
             } else {
-                self.doubts += 1;
-                if self.doubts >= DOUBTS {
-                    self.give_up(here);
-                }
-                return None;
+                self.give_up(known.pose, here);
             }
-        } else {
-            self.is_located = self.decides && best.is_some_and(Hypothesis::is_certain);
-        }
-        let accepted = self.is_located.then(|| best.cloned()).flatten()?;
-        self.prior = Prior::new(&Start::exact(accepted.located.pose));
+            return None;
+        };
+        self.accept(fused, here);
+        Some(located)
+    }
+
+    fn accept(&mut self, estimate: Estimate, here: Pose2) {
+        self.doubts = 0;
+        self.keep(estimate, here);
+    }
+
+    /// The robot is searched near an estimate from now on.
+    fn keep(&mut self, estimate: Estimate, here: Pose2) {
+        self.estimate = Some(estimate);
+        let covariance = estimate.covariance;
+        let start = Start::Pose {
+            pose: estimate.pose,
+            covariance: std::array::from_fn(|i| std::array::from_fn(|j| covariance[(i, j)])),
+        };
+        self.prior = Prior::new(&start);
         self.since = Some(here);
-        Some(accepted.located)
     }
 
     /// Begins anew near where the robot was thought to be.
-    fn give_up(&mut self, here: Pose2) {
-        self.is_located = false;
+    fn give_up(&mut self, pose: Pose2, here: Pose2) {
+        self.estimate = None;
         self.doubts = 0;
         self.bank.clear();
-        let about = self.prior.zip(self.since).and_then(|(prior, since)| {
-            let pose = prior.given()?.compose(relative(since, here));
-            let mut covariance = [[0.0; 3]; 3];
-            for (axis, deviation) in [LOST_M, LOST_M, LOST_RAD].into_iter().enumerate() {
-                covariance[axis][axis] = deviation * deviation;
-            }
-            Prior::new(&Start::Pose { pose, covariance })
+        self.prior = Prior::new(&Start::Area {
+            centre: pose.point(),
+            radius_m: LOST_M,
         });
-        if about.is_some() {
-            self.prior = about;
-            self.since = Some(here);
-        }
+        self.since = Some(here);
     }
 }
 

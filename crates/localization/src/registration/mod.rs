@@ -52,12 +52,14 @@
 //! | [`mod@candidates`] | the likely poses, refined and compared with what was seen |
 //! | [`probability`] | how probable each of them is |
 //! | [`locator`] | which of them to believe, over the whole way |
+//! | [`estimate`] | the pose by all fixes and odometry |
 //! | [`registrar`] | fixes from all that |
 //! | [`mod@refine`] | a pose made exact, with an offset of each building |
 
 pub mod candidates;
 pub mod chart;
 mod columns;
+pub mod estimate;
 pub mod explain;
 pub mod field;
 pub mod locator;

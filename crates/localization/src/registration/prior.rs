@@ -87,11 +87,6 @@ impl Prior {
         }
     }
 
-    /// The pose that is given for the start, if one is.
-    pub fn given(&self) -> Option<Pose2> {
-        self.start.pose()
-    }
-
     /// Where the robot can be now. `map` is the box around all of the map.
     pub fn area(&self, map: Bounds) -> Bounds {
         let way = self.motion.point().distance(MapPoint::default());

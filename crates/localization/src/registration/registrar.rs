@@ -7,7 +7,7 @@ use nalgebra::{Isometry2, Matrix3, Rotation3, Vector3};
 use openbench_core::{LidarScan, Observation, Pose2, Pose3, Start};
 use openbench_osm::OsmMap;
 
-use super::locator::{Located, Locator, STRETCHES};
+use super::locator::{Located, Locator, NEW};
 use super::prior::Prior;
 use super::stretch::{FIRST_SCANS, Gatherer};
 use crate::deviation::PoseDeviation;
@@ -20,7 +20,7 @@ const CREDIBLE: f64 = 4.0;
 /// Finds the robot on the public map by the buildings around it.
 ///
 /// A fix comes with each five metres of the way, once a pose is certain. Successive ones compare
-/// mostly the same walls, so that those of 40 m count as one.
+/// mostly the same walls, so that those of 80 m count as one.
 pub struct Registrar {
     map: Arc<OsmMap>,
     start: Start,
@@ -81,13 +81,12 @@ impl FixSource for Registrar {
         // From x, y of the map to forward, left.
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), pose.yaw);
         let turn: &Matrix3<f64> = turn.matrix();
-        let share = 1.0 / STRETCHES as f64;
         Some(Fix {
             stamp: scan.stamp + Duration::from_nanos(u64::from(last)),
             pose: Isometry2::new(nalgebra::Vector2::new(pose.x, pose.y), pose.yaw),
-            information: turn.transpose() * located.information() * turn * share,
+            information: turn.transpose() * located.information() * turn * NEW,
             // In the fix's own deviations, not in those that it counts with.
-            max_deviations: CREDIBLE * libm::sqrt(share),
+            max_deviations: CREDIBLE * libm::sqrt(NEW),
         })
     }
 }

@@ -10,8 +10,8 @@ use openbench_bench::run::threads;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::Segment;
+use openbench_localization::registration::estimate::Estimate;
 use openbench_localization::registration::locator::{Located, Locator};
-use openbench_localization::registration::prior::relative;
 use openbench_osm::OsmMap;
 use openbench_osm::disturb::MapState;
 
@@ -80,8 +80,6 @@ pub fn trials(prepared: &Prepared, cases: &[Case<'_>], threads: usize) -> Vec<Ve
 /// Localizes the robot along a drive. `truth_map` is the map without errors.
 fn trial(truth_map: &OsmMap, case: &Case<'_>) -> Vec<Moment> {
     let mut locator = Locator::new(Arc::clone(&case.map.map), &case.start);
-    // The newest accepted pose, and the pose of odometry there.
-    let mut accepted: Option<(Pose2, Pose2)> = None;
     let mut moments = Vec::new();
     for shown in case.drive.shown() {
         let seen = shown.seen;
@@ -89,22 +87,17 @@ fn trial(truth_map: &OsmMap, case: &Case<'_>) -> Vec<Moment> {
         let began = Instant::now();
         let located = shown.to(&mut locator);
         let ms = began.elapsed().as_secs_f64() * 1e3;
-        if let Some(located) = &located {
-            accepted = Some((seen.stretch.end, located.pose));
-        } else if !locator.is_located() {
-            accepted = None;
-        }
         let truth = case.on_map(seen.truth);
         let errors = |pose| truth.map_or(PoseErrors::ELSEWHERE, |truth| pose_errors(pose, truth));
-        let error =
-            accepted.map(|(odom, pose)| errors(pose.compose(relative(odom, seen.stretch.end))));
+        let estimate = locator.estimate();
+        let error = estimate.map(|estimate| errors(estimate.pose));
         let guess = locator.hypotheses().first().map(|best| Guess {
             probability: best.located.candidate.probability,
             error: errors(best.located.pose),
         });
-        let fix = located.map(|located| FixErrors {
-            pose: errors(located.pose),
-            nees: truth.map_or(f64::INFINITY, |truth| nees(&located, truth)),
+        let fix = located.zip(estimate).map(|(located, estimate)| FixErrors {
+            pose: errors(estimate.pose),
+            nees: truth.map_or(f64::INFINITY, |truth| nees(estimate, truth)),
             wall_m: wall_error(truth_map, case, seen.truth, &locator, &located),
         });
         let moment = Moment {
@@ -136,11 +129,14 @@ pub(super) fn pose_errors(pose: Pose2, truth: Pose2) -> PoseErrors {
     }
 }
 
-fn nees(located: &Located, truth: Pose2) -> f64 {
-    let pose = located.pose;
+fn nees(estimate: &Estimate, truth: Pose2) -> f64 {
+    let pose = estimate.pose;
     let turn = wrap_angle(pose.yaw - truth.yaw);
     let error = Vector3::new(pose.x - truth.x, pose.y - truth.y, turn);
-    error.dot(&(located.information() * error))
+    let information = estimate.covariance.try_inverse();
+    information.map_or(f64::INFINITY, |information| {
+        error.dot(&(information * error))
+    })
 }
 
 /// Error of the distance between the robot and the nearest wall that is on the map, as the locator
