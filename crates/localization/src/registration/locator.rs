@@ -29,6 +29,8 @@ const LIKELY: f64 = 0.98;
 const PROBABLE: f64 = 0.95;
 /// Places are so far apart on the way, metres: what is seen from nearer ones is nearly the same.
 const APART_M: f64 = 10.0;
+/// Confirmations are remembered for so long on the way, metres.
+const REMEMBERED_M: f64 = 100.0;
 /// A hypothesis is confirmed by a pose no farther than this from where it should be, metres,
 const SAME_M: f64 = 3.0;
 /// and turned no more, radians.
@@ -211,6 +213,7 @@ impl Locator {
         };
         let earlier = self.bank.iter().find(confirms);
         let mut confirmations = earlier.map_or(Vec::new(), |one| one.confirmations.clone());
+        confirmations.retain(|one| self.driven_m - one.driven_m < REMEMBERED_M);
         confirmations.push(Confirmation {
             driven_m: self.driven_m,
             probability: located.candidate.probability,
@@ -277,6 +280,8 @@ impl Locator {
         self.estimate = None;
         self.doubts = 0;
         self.bank.clear();
+        // Whoever carried the robot did not tell its odometry.
+        self.way.clear();
         self.prior = Prior::new(&Start::Area {
             centre: pose.point(),
             radius_m: LOST_M,
