@@ -41,7 +41,7 @@ fn open() -> Box<dyn Agent> {
     Box::new(Open::new(Parts {
         planner: Box::new(GrammarPlanner::new()),
         reader: Box::new(Blank),
-        localizer: Box::new(|robot| Box::new(DeadReckoning::new(robot.clone()))),
+        localizer: Box::new(|situation| Box::new(DeadReckoning::new(situation.robot.clone()))),
         motion: follower::entry(),
         ground: Preferences::NONE,
         memory: None,
