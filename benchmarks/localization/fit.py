@@ -148,16 +148,16 @@ def main():
                 for one in ones:
                     one.probabilities = probabilities(one.features, weights)
     judged = []
-    for key, ones in found.items():
+    for ones in found.values():
         for one in ones:
             best = int(one.probabilities.argmax())
-            judged.append((one.probabilities[best], one.errors[best], key[2] == "off"))
+            judged.append((one.probabilities[best], one.errors[best]))
     print("probability of the best pose: attempts, share that is right")
     limits = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95, 0.98, 0.99, 0.995, 0.998, 1.0]
     for low, high in zip(limits, limits[1:]):
         ones = [one for one in judged if low <= one[0] < high]
         if ones:
-            right = sum(error < RIGHT_M for _, error, _ in ones)
+            right = sum(error < RIGHT_M for _, error in ones)
             mean = sum(one[0] for one in ones) / len(ones)
             print(f"{low:5}-{high:<5} {len(ones):6} {right / len(ones):.3f} for {mean:.3f}")
     for name, rule in RULES.items():

@@ -92,9 +92,13 @@ fn gnss(robot: &RobotDescription) -> Fixes {
 
 /// Without a map there is nothing to register scans to.
 fn buildings(situation: &Situation<'_>) -> Fixes {
-    let registrar = situation
-        .map
-        .map(|map| Registrar::new(Arc::clone(map), situation.start, situation.robot.lidar));
+    let registrar = situation.map.map(|map| {
+        Registrar::new(
+            Arc::new(map.clone()),
+            situation.start,
+            situation.robot.lidar,
+        )
+    });
     registrar
         .into_iter()
         .map(|one| Box::new(one) as _)

@@ -1,7 +1,6 @@
 //! The mission: deliveries one after another, and the stages of each.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::time::Duration;
 
 use openbench_core::{
@@ -207,7 +206,7 @@ impl Mission {
             .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let mut localizer = (parts.localizer)(&Situation {
             robot: &robot,
-            map: Some(&Arc::new(memory.map().clone())),
+            map: Some(memory.map()),
             start: briefing.start,
         });
         localizer.reset(start);

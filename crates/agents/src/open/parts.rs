@@ -23,7 +23,7 @@ pub struct Situation<'a> {
     /// The robot.
     pub robot: &'a RobotDescription,
     /// The public map, if there is one.
-    pub map: Option<&'a Arc<OsmMap>>,
+    pub map: Option<&'a OsmMap>,
     /// What is known about the start, in the `map` frame.
     pub start: Start,
 }

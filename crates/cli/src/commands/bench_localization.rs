@@ -40,12 +40,13 @@ struct Found {
 pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
     let level = level::<MapErrors>(&args.level).context("--level")?;
     let is_on_map = args.start != "off";
-    let start = match is_on_map {
-        true => Some(level_of_start(&args.start)?),
-        false => None,
-    };
     let beside = args.beside.as_deref().map(suite_named).transpose()?;
     let beside = beside.map(Prepared::world_of).transpose()?;
+    let known = match &beside {
+        _ if is_on_map => Known::Start(level_of_start(&args.start)?),
+        Some(other) => Known::Off(other),
+        None => anyhow::bail!("--start off needs --beside WORLD"),
+    };
     let suites = suites(args)?;
     let bar = progress_bar(2 * suites.len(), "worlds recorded and tried");
     let threads = usize::from(args.jobs);
@@ -57,11 +58,6 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
         prepared.warnings().iter().for_each(|warning| tell(warning));
         let drives = drives(args, &name, &prepared)?;
         bar.inc(1);
-        let known = match (&start, &beside) {
-            (Some(start), _) => Known::Start(*start),
-            (None, Some(other)) => Known::Off(other),
-            (None, None) => anyhow::bail!("--start off needs --beside WORLD"),
-        };
         let cases = cases(&prepared, &drives, &level, known, args.seed)?;
         if args.examples.is_some() {
             for example in examples(&cases, threads) {
@@ -148,8 +144,9 @@ fn drives(
         .as_deref()
         .map(|folder| kept(folder, name, args.seed));
     if let Some(path) = kept.as_deref().filter(|path| path.exists()) {
-        let read =
-            || -> anyhow::Result<Vec<Drive>> { Ok(serde_json::from_slice(&std::fs::read(path)?)?) };
+        let read = || -> anyhow::Result<Vec<Drive>> {
+            whole(serde_json::from_slice(&std::fs::read(path)?)?)
+        };
         let mut drives = read().with_context(|| {
             format!(
                 "{}: no recorded drives; delete it to record anew",
@@ -168,6 +165,13 @@ fn drives(
         }
         write_atomically(&path, &serde_json::to_vec(&drives)?)?;
     }
+    Ok(drives)
+}
+
+/// Drives that were read, if each has a leg.
+fn whole(drives: Vec<Drive>) -> anyhow::Result<Vec<Drive>> {
+    let is_whole = |drive: &Drive| !drive.legs.is_empty();
+    anyhow::ensure!(drives.iter().all(is_whole), "a drive has no legs");
     Ok(drives)
 }
 

@@ -280,7 +280,7 @@ impl Locator {
         self.estimate = None;
         self.doubts = 0;
         self.bank.clear();
-        // Whoever carried the robot did not tell its odometry.
+        // If the robot was carried, odometry does not know where the stretches before are.
         self.way.clear();
         self.prior = Prior::new(&Start::Area {
             centre: pose.point(),

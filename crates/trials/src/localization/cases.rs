@@ -64,10 +64,21 @@ pub fn cases<'a>(
 ) -> Result<Vec<Case<'a>>, BenchError> {
     let mut cases = Vec::new();
     for (number, chunk) in drives.chunks(DRIVES_OF_MAP).enumerate() {
-        let map = Arc::new(wrong_map(prepared, level, known, seed + number as u64)?);
+        let map = Arc::new(wrong_map(
+            prepared,
+            level,
+            known,
+            seed.wrapping_add(number as u64),
+        )?);
         for drive in chunk {
-            let truth = drive.legs[0].first.truth;
-            let own = seed.wrapping_mul(1_000_003) + cases.len() as u64;
+            let truth = drive
+                .legs
+                .first()
+                .map(|leg| leg.first.truth)
+                .unwrap_or_default();
+            let own = seed
+                .wrapping_mul(1_000_003)
+                .wrapping_add(cases.len() as u64);
             let start = match (known, &map.errors) {
                 (Known::Start(errors), Some(wrong)) => errors.draw(wrong.frame.compose(truth), own),
                 _ => Start::Anywhere,

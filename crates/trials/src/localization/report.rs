@@ -153,7 +153,6 @@ mod tests {
         Moment {
             metres,
             error: pose,
-            guess: None,
             fix: pose.map(|pose| FixErrors {
                 pose,
                 nees: pose.metres,

@@ -29,23 +29,12 @@ pub struct Moment {
     pub metres: f64,
     /// The error of the pose that is accepted, carried on by odometry; `None` if none is.
     pub error: Option<PoseErrors>,
-    /// The best hypothesis of this moment, accepted or not.
-    pub guess: Option<Guess>,
     /// The fix of this moment, if there was one.
     pub fix: Option<FixErrors>,
     /// Whether the robot was localized before.
     pub was_located: bool,
     /// Computing time, milliseconds.
     pub ms: f64,
-}
-
-/// A pose that may be the robot's.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Guess {
-    /// Its probability.
-    pub probability: f64,
-    /// Its errors.
-    pub error: PoseErrors,
 }
 
 /// Errors of a pose on a map.
@@ -91,10 +80,6 @@ fn trial(truth_map: &OsmMap, case: &Case<'_>) -> Vec<Moment> {
         let errors = |pose| truth.map_or(PoseErrors::ELSEWHERE, |truth| pose_errors(pose, truth));
         let estimate = locator.estimate();
         let error = estimate.map(|estimate| errors(estimate.pose));
-        let guess = locator.hypotheses().first().map(|best| Guess {
-            probability: best.located.candidate.probability,
-            error: errors(best.located.pose),
-        });
         let fix = located.zip(estimate).map(|(located, estimate)| FixErrors {
             pose: errors(estimate.pose),
             nees: truth.map_or(f64::INFINITY, |truth| nees(estimate, truth)),
@@ -103,7 +88,6 @@ fn trial(truth_map: &OsmMap, case: &Case<'_>) -> Vec<Moment> {
         let moment = Moment {
             metres: shown.metres,
             error,
-            guess,
             fix,
             was_located,
             ms,
@@ -171,8 +155,8 @@ fn wall_error(
     let beside = wrong.beside(Some(id), here);
     let in_chart = MapPoint::new(middle.x - chart.origin.x, middle.y - chart.origin.y);
     let distance = |i: &usize| {
-        let outline: &openbench_geometry::Polygon = &chart.outlines[*i];
-        outline.bounds().middle().distance(in_chart)
+        let middle = chart.outlines[*i].bounds().middle();
+        middle.distance(in_chart)
     };
     let mapped = (0..chart.outlines.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
     if distance(&mapped) > SAME_BUILDING_M {
