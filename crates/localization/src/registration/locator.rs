@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use nalgebra::Matrix3;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{Pose2, Start};
 use openbench_geometry::Bounds;
@@ -11,7 +10,7 @@ use openbench_osm::OsmMap;
 
 use super::candidates::{Candidate, candidates, in_map};
 use super::chart::Chart;
-use super::estimate::Estimate;
+use super::estimate::{Estimate, Measured};
 use super::field::{CELL_M, MARGIN_CELLS};
 use super::prior::{Prior, relative};
 use super::stretch::Stretch;
@@ -45,9 +44,6 @@ const DOUBTS: usize = 3;
 /// After that the robot is this far from where it was thought to be, metres.
 const LOST_M: f64 = 75.0;
 
-/// A fix shares its walls with those of the last 80 m: this share of its information is new.
-pub const NEW: f64 = 1.0 / 16.0;
-
 /// A pose of the robot on the map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Located {
@@ -58,9 +54,12 @@ pub struct Located {
 }
 
 impl Located {
-    /// Information about x, y of `map`, and yaw.
-    pub fn information(&self) -> Matrix3<f64> {
-        self.candidate.refined.information
+    /// What was measured.
+    pub fn measured(&self) -> Measured {
+        Measured {
+            pose: self.pose,
+            information: self.candidate.refined.information,
+        }
     }
 }
 
@@ -151,27 +150,28 @@ impl Locator {
     }
 
     /// Takes in a first look around, before a stretch has ended.
-    pub fn look(&mut self, first: &Stretch) -> Option<Located> {
-        self.since.get_or_insert(first.end);
+    pub fn look(&mut self, first: &Stretch) -> Option<Measured> {
         let submap = Submap::of(std::slice::from_ref(first));
-        self.consider(&submap, first.end)
+        self.consider(&submap, &submap, first.end)
     }
 
-    /// Takes in a stretch; gives the pose at its end if it is accepted.
-    pub fn take(&mut self, stretch: Stretch) -> Option<Located> {
-        self.since.get_or_insert(stretch.end);
+    /// Takes in a stretch. If a pose is accepted, gives what the stretch says about the pose at its
+    /// end; at first what all of them say.
+    pub fn take(&mut self, stretch: Stretch) -> Option<Measured> {
         let here = stretch.end;
+        let newest = Submap::of(std::slice::from_ref(&stretch));
         self.driven_m += stretch.metres;
         self.way.push_back(stretch);
         if self.way.len() > STRETCHES {
             self.way.pop_front();
         }
         let submap = Submap::of(self.way.make_contiguous());
-        self.consider(&submap, here)
+        self.consider(&submap, &newest, here)
     }
 
-    fn consider(&mut self, submap: &Submap, here: Pose2) -> Option<Located> {
-        let since = self.since?;
+    /// Compares the last stretches, and the newest of them alone, with the map.
+    fn consider(&mut self, submap: &Submap, newest: &Submap, here: Pose2) -> Option<Measured> {
+        let since = *self.since.get_or_insert(here);
         let prior = self.prior?.after(relative(since, here));
         self.reach(&prior)?;
         let (chart, _) = self.chart.as_ref()?;
@@ -184,7 +184,10 @@ impl Locator {
             .map(|located| self.hypothesis(located, here))
             .collect();
         self.bank = bank;
-        self.decide(here)
+        match self.estimate.take() {
+            None => self.find(here),
+            Some(known) => self.follow(known.carried(here), newest),
+        }
     }
 
     /// Makes the chart reach as far as the robot may see.
@@ -225,68 +228,74 @@ impl Locator {
         }
     }
 
-    /// Whether the best hypothesis is to be believed.
-    fn decide(&mut self, here: Pose2) -> Option<Located> {
+    /// Believes the best hypothesis if it is certain.
+    fn find(&mut self, here: Pose2) -> Option<Measured> {
         let best = self.bank.first();
-        let Some(known) = self.estimate.map(|known| known.carried(here)) else {
-            let best = best.filter(|best| self.decides && best.is_certain())?;
-            let located = best.located.clone();
-            let estimate = Estimate::new(located.pose, located.information(), here)?;
-            self.accept(estimate, here);
-            return Some(located);
-        };
-        let explaining = best.map(|best| &best.located).filter(|located| {
-            let Candidate {
-                refined, explained, ..
-            } = &located.candidate;
-            refined.closeness - explained.through >= EXPLAINED
-        });
-        let fused = explaining.and_then(|located| {
-            let fused = known.with(located.pose, located.information() * NEW)?;
-            Some((fused, located.clone()))
-        });
-        let Some((fused, located)) = fused else {
-            self.doubts += 1;
-            if self.doubts < DOUBTS {
-                self.keep(known, here);
-            } else {
-                self.give_up(known.pose, here);
-            }
-            return None;
-        };
-        self.accept(fused, here);
-        Some(located)
+        let best = best.filter(|best| self.decides && best.is_certain())?;
+        let measured = best.located.measured();
+        let (chart, _) = self.chart.as_ref()?;
+        let estimate = Estimate::begin(chart, &best.located.candidate.refined, here)?;
+        self.keep(estimate);
+        Some(measured)
     }
 
-    fn accept(&mut self, estimate: Estimate, here: Pose2) {
+    /// Improves what is known by the newest stretch, if the best hypothesis agrees.
+    fn follow(&mut self, known: Estimate, newest: &Submap) -> Option<Measured> {
+        let agreeing = self.bank.first().map(|best| &best.located).filter(|best| {
+            let Candidate {
+                refined, explained, ..
+            } = &best.candidate;
+            let is_explained = refined.closeness - explained.through >= EXPLAINED;
+            is_explained && known.agrees_with(&best.measured())
+        });
+        let improved = agreeing.zip(self.chart.as_ref());
+        let improved = improved.and_then(|(best, (chart, _))| {
+            let improved = known.with(chart, newest, &best.candidate.refined)?;
+            let news = improved.news_since(&known)?;
+            Some((improved, news))
+        });
+        let Some((improved, news)) = improved else {
+            self.doubt(known);
+            return None;
+        };
         self.doubts = 0;
-        self.keep(estimate, here);
+        self.keep(improved);
+        Some(news)
+    }
+
+    /// A pose that was not confirmed is kept a few times.
+    fn doubt(&mut self, known: Estimate) {
+        self.doubts += 1;
+        if self.doubts < DOUBTS {
+            self.keep(known);
+        } else {
+            self.give_up(&known);
+        }
     }
 
     /// The robot is searched near an estimate from now on.
-    fn keep(&mut self, estimate: Estimate, here: Pose2) {
-        self.estimate = Some(estimate);
-        let covariance = estimate.covariance;
+    fn keep(&mut self, estimate: Estimate) {
+        let covariance = estimate.covariance();
         let start = Start::Pose {
             pose: estimate.pose,
             covariance: std::array::from_fn(|i| std::array::from_fn(|j| covariance[(i, j)])),
         };
         self.prior = Prior::new(&start);
-        self.since = Some(here);
+        self.since = Some(estimate.here);
+        self.estimate = Some(estimate);
     }
 
     /// Begins anew near where the robot was thought to be.
-    fn give_up(&mut self, pose: Pose2, here: Pose2) {
-        self.estimate = None;
+    fn give_up(&mut self, known: &Estimate) {
         self.doubts = 0;
         self.bank.clear();
         // If the robot was carried, odometry does not know where the stretches before are.
         self.way.clear();
         self.prior = Prior::new(&Start::Area {
-            centre: pose.point(),
+            centre: known.pose.point(),
             radius_m: LOST_M,
         });
-        self.since = Some(here);
+        self.since = Some(known.here);
     }
 }
 
@@ -335,7 +344,7 @@ mod tests {
     }
 
     /// Drives along poses; gives what is accepted at each.
-    fn driven(locator: &mut Locator, houses: &[Polygon], poses: &[Pose2]) -> Vec<Option<Located>> {
+    fn driven(locator: &mut Locator, houses: &[Polygon], poses: &[Pose2]) -> Vec<Option<Measured>> {
         let stretches = way(houses, poses);
         stretches
             .into_iter()
@@ -368,8 +377,7 @@ mod tests {
     fn in_another_town_nothing_is_accepted() {
         let mut locator = locator(&village(8), Start::Anywhere);
         let found = driven(&mut locator, &village(7), &road(-40.0, 50.0, 12));
-        let accepted: Vec<_> = found.iter().flatten().map(|one| &one.candidate).collect();
-        assert!(accepted.is_empty(), "{accepted:#?}");
+        assert!(found.iter().all(Option::is_none), "{found:#?}");
     }
 
     #[test]

@@ -52,8 +52,9 @@
 //! | [`mod@candidates`] | the likely poses, refined and compared with what was seen |
 //! | [`probability`] | how probable each of them is |
 //! | [`locator`] | which of them to believe, over the whole way |
-//! | [`estimate`] | the pose by all fixes and odometry |
+//! | [`estimate`] | the pose by all that was seen, and offsets of buildings |
 //! | [`registrar`] | fixes from all that |
+//! | [`matching`] | pieces of facades on walls, as equations |
 //! | [`mod@refine`] | a pose made exact, with an offset of each building |
 
 pub mod candidates;
@@ -63,6 +64,7 @@ pub mod estimate;
 pub mod explain;
 pub mod field;
 pub mod locator;
+pub mod matching;
 pub mod modes;
 pub mod prior;
 pub mod probability;

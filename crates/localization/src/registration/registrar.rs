@@ -7,7 +7,8 @@ use nalgebra::{Isometry2, Matrix3, Rotation3, Vector3};
 use openbench_core::{LidarScan, Observation, Pose2, Pose3, Start};
 use openbench_osm::OsmMap;
 
-use super::locator::{Located, Locator, NEW};
+use super::estimate::Measured;
+use super::locator::Locator;
 use super::prior::Prior;
 use super::stretch::{FIRST_SCANS, Gatherer};
 use crate::deviation::PoseDeviation;
@@ -19,8 +20,9 @@ const CREDIBLE: f64 = 4.0;
 
 /// Finds the robot on the public map by the buildings around it.
 ///
-/// A fix comes with each five metres of the way, once a pose is certain. Successive ones compare
-/// mostly the same walls, so that those of 80 m count as one.
+/// A fix comes with each five metres of the way, once a pose is certain. It says what these five
+/// metres add to what all before have said, so that fixes are independent of each other, although
+/// they show the same displaced buildings.
 pub struct Registrar {
     map: Arc<OsmMap>,
     start: Start,
@@ -44,7 +46,7 @@ impl Registrar {
         }
     }
 
-    fn locate(&mut self, scan: &LidarScan, track: &dyn Track) -> Option<Located> {
+    fn locate(&mut self, scan: &LidarScan, track: &dyn Track) -> Option<Measured> {
         let ended = self.gatherer.take(scan, track);
         self.scans = self.scans.saturating_add(1);
         match ended {
@@ -76,17 +78,15 @@ impl FixSource for Registrar {
     ) -> Option<Fix> {
         let scan = observation.scan?;
         let last = scan.points.iter().map(|point| point.offset_ns).max()?;
-        let located = self.locate(scan, track)?;
-        let pose = located.pose;
+        let Measured { pose, information } = self.locate(scan, track)?;
         // From x, y of the map to forward, left.
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), pose.yaw);
         let turn: &Matrix3<f64> = turn.matrix();
         Some(Fix {
             stamp: scan.stamp + Duration::from_nanos(u64::from(last)),
             pose: Isometry2::new(nalgebra::Vector2::new(pose.x, pose.y), pose.yaw),
-            information: turn.transpose() * located.information() * turn * NEW,
-            // In the fix's own deviations, not in those that it counts with.
-            max_deviations: CREDIBLE * libm::sqrt(NEW),
+            information: turn.transpose() * information * turn,
+            max_deviations: CREDIBLE,
         })
     }
 }

@@ -5,7 +5,8 @@ use std::time::Duration;
 use openbench_bench::run::threads;
 use openbench_bench::{BenchError, Prepared};
 use openbench_core::Pose2;
-use openbench_localization::registration::locator::{Located, Locator};
+use openbench_localization::registration::estimate::Measured;
+use openbench_localization::registration::locator::Locator;
 use openbench_localization::registration::{Gatherer, Stretch, stretch::STRETCH_M};
 use openbench_localization::{LidarInertial, Localizer};
 use serde::{Deserialize, Serialize};
@@ -88,8 +89,8 @@ impl Drive {
 }
 
 impl Shown<'_> {
-    /// Shows it to a locator; gives the pose that is accepted, if one is.
-    pub fn to(&self, locator: &mut Locator) -> Option<Located> {
+    /// Shows it to a locator; gives what that says about the pose, if one is accepted.
+    pub fn to(&self, locator: &mut Locator) -> Option<Measured> {
         if self.is_first {
             locator.look(&self.seen.stretch)
         } else {

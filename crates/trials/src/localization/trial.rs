@@ -11,7 +11,7 @@ use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::Segment;
 use openbench_localization::registration::estimate::Estimate;
-use openbench_localization::registration::locator::{Located, Locator};
+use openbench_localization::registration::locator::Locator;
 use openbench_osm::OsmMap;
 use openbench_osm::disturb::MapState;
 
@@ -74,16 +74,16 @@ fn trial(truth_map: &OsmMap, case: &Case<'_>) -> Vec<Moment> {
         let seen = shown.seen;
         let was_located = locator.is_located();
         let began = Instant::now();
-        let located = shown.to(&mut locator);
+        let is_fixed = shown.to(&mut locator).is_some();
         let ms = began.elapsed().as_secs_f64() * 1e3;
         let truth = case.on_map(seen.truth);
         let errors = |pose| truth.map_or(PoseErrors::ELSEWHERE, |truth| pose_errors(pose, truth));
         let estimate = locator.estimate();
         let error = estimate.map(|estimate| errors(estimate.pose));
-        let fix = located.zip(estimate).map(|(located, estimate)| FixErrors {
+        let fix = estimate.filter(|_| is_fixed).map(|estimate| FixErrors {
             pose: errors(estimate.pose),
             nees: truth.map_or(f64::INFINITY, |truth| nees(estimate, truth)),
-            wall_m: wall_error(truth_map, case, seen.truth, &locator, &located),
+            wall_m: wall_error(truth_map, case, seen.truth, &locator, estimate),
         });
         let moment = Moment {
             metres: shown.metres,
@@ -117,7 +117,7 @@ fn nees(estimate: &Estimate, truth: Pose2) -> f64 {
     let pose = estimate.pose;
     let turn = wrap_angle(pose.yaw - truth.yaw);
     let error = Vector3::new(pose.x - truth.x, pose.y - truth.y, turn);
-    let information = estimate.covariance.try_inverse();
+    let information = estimate.covariance().try_inverse();
     information.map_or(f64::INFINITY, |information| {
         error.dot(&(information * error))
     })
@@ -130,7 +130,7 @@ fn wall_error(
     case: &Case<'_>,
     truth: Pose2,
     locator: &Locator,
-    located: &Located,
+    estimate: &Estimate,
 ) -> Option<f64> {
     let wrong = case.map.errors.as_ref()?;
     let chart = locator.chart()?;
@@ -162,13 +162,12 @@ fn wall_error(
     if distance(&mapped) > SAME_BUILDING_M {
         return None;
     }
-    let evidence = &located.candidate.refined.buildings;
-    let own = evidence.iter().find(|one| one.building == mapped);
-    let offset = own.map_or((0.0, 0.0), |one| (one.offset.x, one.offset.y));
+    let offset = estimate.offset(chart.buildings[mapped]);
+    let offset = offset.unwrap_or_default();
     let normal = wall.outward() + wrong.frame.yaw;
     let (x, y) = (
-        located.pose.x - offset.0 - beside.x,
-        located.pose.y - offset.1 - beside.y,
+        estimate.pose.x - offset.x - beside.x,
+        estimate.pose.y - offset.y - beside.y,
     );
     Some((libm::cos(normal) * x + libm::sin(normal) * y).abs())
 }
