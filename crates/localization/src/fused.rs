@@ -29,6 +29,10 @@ const START: PoseDeviation = PoseDeviation {
     metres: 0.05,
     radians: 0.01,
 };
+/// A robot whose start is known no better than this is searched for first, metres.
+const LOCATED_M: f64 = 4.0;
+/// The heading of a found robot is known better than this, radians.
+const LOCATED_RAD: f64 = 0.2;
 /// No motion between two poses is known better: floors differ, wheels sink in.
 const FINEST: PoseDeviation = PoseDeviation {
     metres: 1e-3,
@@ -54,6 +58,7 @@ pub struct Fused {
     sources: Vec<Box<dyn FixSource>>,
     window: Window<Isometry2<f64>, 3>,
     key: Option<Key>,
+    is_located: bool,
     /// Pose of `odom` in `map` as published.
     published: Isometry2<f64>,
     /// The same as the graph estimates it.
@@ -69,6 +74,7 @@ impl Fused {
         Self {
             odometry: LidarInertial::new(robot),
             window: window(start, known(&sources)),
+            is_located: known(&sources).metres < LOCATED_M,
             sources,
             key: None,
             published: start,
@@ -111,7 +117,8 @@ impl Fused {
     /// graph. A fix that makes no sense, or an unsolvable graph, leaves all as it was.
     fn apply(&mut self, fix: &Fix) {
         let Some(key) = self.key else { return };
-        if !fix.is_sound() || !self.is_near(fix) || !self.is_recent(fix) {
+        let is_far = self.is_located && !self.is_near(fix);
+        if !fix.is_sound() || is_far || !self.is_recent(fix) {
             return;
         }
         let at_fix = isometry(self.odometry.pose_at(fix.stamp));
@@ -119,6 +126,10 @@ impl Fused {
         // An error of the key pose, in its own frame, is the adjoint times it in the fix's frame.
         let carried = motion.adjoint();
         let information = carried.transpose() * fix.information * carried;
+        if !self.is_located && is_pose(&information) {
+            self.begin_at(fix.pose * motion, information);
+            return;
+        }
         // On a copy, since a solution that fails leaves the fix in the window.
         let mut window = self.window.clone();
         window.fix(fix.pose * motion, information, fix.max_deviations);
@@ -126,6 +137,16 @@ impl Fused {
             self.estimated = window.newest() * isometry(key.odom).inverse();
             self.window = window;
         }
+    }
+
+    /// Begins the graph anew at the newest key pose: what was known before is worth nothing.
+    fn begin_at(&mut self, pose: Isometry2<f64>, information: Matrix3<f64>) {
+        let Some(key) = self.key else { return };
+        let start = start_information(known(&self.sources));
+        self.window = Window::new(pose, information + start, WINDOW_POSES);
+        self.estimated = pose * isometry(key.odom).inverse();
+        self.published = self.estimated;
+        self.is_located = true;
     }
 
     fn is_near(&self, fix: &Fix) -> bool {
@@ -201,8 +222,13 @@ impl Localizer for Fused {
         self.published = start;
         self.estimated = start;
         self.window = window(start, known(&self.sources));
+        self.is_located = known(&self.sources).metres < LOCATED_M;
         self.key = None;
         self.now = SimTime::ZERO;
+    }
+
+    fn is_located(&self) -> bool {
+        self.is_located
     }
 
     fn update(&mut self, observation: &Observation<'_>) {
@@ -278,15 +304,25 @@ fn known(sources: &[Box<dyn FixSource>]) -> PoseDeviation {
     deviations.fold(START, worse)
 }
 
+/// Whether information says where the robot is, and where it heads: not so a position alone.
+fn is_pose(information: &Matrix3<f64>) -> bool {
+    let covariance = information.try_inverse();
+    covariance.is_some_and(|covariance| {
+        let metres = libm::sqrt(level_variance(&covariance));
+        let radians = libm::sqrt(covariance[(2, 2)]);
+        metres < LOCATED_M && radians < LOCATED_RAD
+    })
+}
+
 /// A graph that begins at a pose in `map`, known so well.
 fn window(start: Isometry2<f64>, known: PoseDeviation) -> Window<Isometry2<f64>, 3> {
+    Window::new(start, start_information(known), WINDOW_POSES)
+}
+
+fn start_information(known: PoseDeviation) -> Matrix3<f64> {
     let level = 1.0 / (known.metres * known.metres);
     let turn = 1.0 / (known.radians * known.radians);
-    Window::new(
-        start,
-        Matrix3::from_diagonal(&[level, level, turn].into()),
-        WINDOW_POSES,
-    )
+    Matrix3::from_diagonal(&[level, level, turn].into())
 }
 
 /// Information about the motion between two poses, in the frame of its end: the inverse of how much

@@ -13,6 +13,12 @@ pub trait Localizer {
     /// Begins anew at `start` in `map`.
     fn reset(&mut self, start: Pose2);
 
+    /// Whether poses are those on the map. While the start is not known well enough, poses are in a
+    /// frame of their own, which becomes `map` with a jump once the robot is found.
+    fn is_located(&self) -> bool {
+        true
+    }
+
     /// Takes in sensor data.
     fn update(&mut self, observation: &Observation<'_>);
 

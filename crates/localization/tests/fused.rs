@@ -9,12 +9,13 @@ use common::Robot;
 use nalgebra::{Isometry2, Matrix3, Vector2};
 use openbench_core::{Observation, Pose2, RobotDescription, SimTime};
 use openbench_localization::graph::FixCount;
-use openbench_localization::{Fix, FixSource, Fused, Localizer, Track};
+use openbench_localization::{Fix, FixSource, Fused, Localizer, PoseDeviation, Track};
 
 /// A source whose fixes are set from outside. It gives one a second.
 struct Oracle {
     fix: Rc<Cell<Option<Pose2>>>,
     last: SimTime,
+    start: Option<PoseDeviation>,
 }
 
 impl FixSource for Oracle {
@@ -24,6 +25,10 @@ impl FixSource for Oracle {
 
     fn reset(&mut self) {
         self.last = SimTime::ZERO;
+    }
+
+    fn start_deviation(&self) -> Option<PoseDeviation> {
+        self.start
     }
 
     fn update(
@@ -63,10 +68,16 @@ struct Shown {
 
 impl Trial {
     fn new(reported: Pose2, truth: Pose2) -> Self {
+        Self::with_start(reported, truth, None)
+    }
+
+    /// `start` is how well the reported pose is known.
+    fn with_start(reported: Pose2, truth: Pose2, start: Option<PoseDeviation>) -> Self {
         let fix = Rc::new(Cell::new(None));
         let oracle = Oracle {
             fix: fix.clone(),
             last: SimTime::ZERO,
+            start,
         };
         let mut localizer = Fused::new(RobotDescription::sentry(), vec![Box::new(oracle)]);
         localizer.reset(reported);
@@ -124,6 +135,30 @@ fn a_wrong_start_is_corrected_without_a_jump() {
     );
     let deviation = trial.localizer.covariance().unwrap()[(0, 0)].sqrt();
     assert!(deviation < 0.1 && deviation > 1e-3, "{deviation}");
+}
+
+#[test]
+fn a_robot_that_knows_nothing_is_put_where_the_first_fix_says() {
+    let unknown = PoseDeviation {
+        metres: 1000.0,
+        radians: 3.0,
+    };
+    // Three kilometres away, and the other way round.
+    let truth = Pose2::new(3000.0, -200.0, -2.9);
+    let mut trial = Trial::with_start(Pose2::default(), truth, Some(unknown));
+    assert!(!trial.localizer.is_located());
+    let Shown { jump, .. } = trial.drive(2.0, |_| Vector2::zeros());
+    assert!(trial.localizer.is_located());
+    assert!(
+        jump > 2900.0 && trial.error() < 0.05,
+        "{jump} {}",
+        trial.error()
+    );
+    let deviation = trial.localizer.covariance().unwrap()[(0, 0)].sqrt();
+    assert!(deviation < 0.1, "{deviation}");
+    // From then on there is no jump.
+    let Shown { jump, .. } = trial.drive(20.0, |_| Vector2::new(0.1, 0.0));
+    assert!(jump < 0.0101, "{jump}");
 }
 
 /// Two of three fixes are outliers, and differ from each other.

@@ -156,6 +156,8 @@ pub struct Mission {
     uncertain_plates: Vec<MapPoint>,
     /// Whether a notable correction of the pose is pending.
     correcting: bool,
+    /// Whether the localizer knew where the robot is on the map.
+    was_located: bool,
     caution: Caution,
     /// Distance from which plates at door height are in the picture, metres.
     sees_from: f64,
@@ -223,6 +225,7 @@ impl Mission {
             unreadable: Vec::new(),
             uncertain_plates: Vec::new(),
             correcting: false,
+            was_located: localizer.is_located(),
             caution: Caution::default(),
             sees_from: exploration::sees_plates_from(&robot),
             robot,
@@ -295,7 +298,12 @@ impl Mission {
     }
 
     fn sense(&mut self, observation: &Observation<'_>, events: &mut dyn Events) {
+        let before = self.localizer.pose();
         self.localizer.update(observation);
+        if !self.was_located && self.localizer.is_located() {
+            self.was_located = true;
+            self.found(before, events);
+        }
         self.driver.observe_wheels(observation.wheels);
         if let Some(scan) = observation.scan {
             if self.localizer.registers_scans() {
@@ -310,6 +318,17 @@ impl Mission {
             events.record(Event::PoseEstimate(PoseEstimate { pose, health }));
         }
         self.announce(events);
+    }
+
+    /// The robot was found on the map. What was seen before is where it was thought to be.
+    fn found(&mut self, thought: Pose2, events: &mut dyn Events) {
+        let away = self.localizer.pose().point().distance(thought.point());
+        events.record(Event::Note(format!(
+            "the robot is found on the map, {away:.1} m from where it was thought to be"
+        )));
+        self.driver.forget_seen();
+        self.perception = Perception::new(self.robot.clone());
+        self.seen.clear();
     }
 
     /// Notes a pending correction of the pose that is large enough to be visible.

@@ -99,6 +99,7 @@ impl PlateReader for Blind {
 /// Stands at the start, in the health that a test gives it.
 struct Standing {
     start: Pose2,
+    is_located: bool,
     health: Arc<Mutex<Health>>,
 }
 
@@ -123,6 +124,10 @@ impl Localizer for Standing {
 
     fn ready(&self) -> bool {
         true
+    }
+
+    fn is_located(&self) -> bool {
+        self.is_located
     }
 
     fn health(&self) -> Health {
@@ -155,6 +160,7 @@ fn mission(doors: &[Address]) -> (Mission, Arc<Mutex<Health>>) {
         localizer: Box::new(move |_| {
             Box::new(Standing {
                 start: Pose2::default(),
+                is_located: true,
                 health: shared.clone(),
             })
         }),
@@ -244,6 +250,29 @@ fn a_lost_robot_stands_and_then_gives_up_everything() {
     }
     let all = given_up(act(&mut mission, 15_000, &Shutter(true)));
     assert_eq!((all.address, all.cause), (None, FailureCause::Lost));
+}
+
+#[test]
+fn once_the_robot_is_found_what_it_saw_elsewhere_is_forgotten() {
+    let (mut mission, health) = mission(&[Address::new("building1", "unit1")]);
+    let standing = |is_located| {
+        Box::new(Standing {
+            start: Pose2::new(-8.0, 3.0, 0.0),
+            is_located,
+            health: health.clone(),
+        })
+    };
+    (mission.localizer, mission.was_located) = (standing(false), false);
+    mission.seen.push(door("unit1", 0.9));
+    act(&mut mission, 50, &Shutter(false));
+    assert_eq!(mission.seen.len(), 1);
+    mission.localizer = standing(true);
+    act(&mut mission, 100, &Shutter(false));
+    assert!(mission.seen.is_empty());
+    // Only once.
+    mission.seen.push(door("unit1", 0.9));
+    act(&mut mission, 150, &Shutter(false));
+    assert_eq!(mission.seen.len(), 1);
 }
 
 /// A mission that stands at a waypoint since the time zero.
