@@ -10,6 +10,7 @@ What is done already is not done again, so an interrupted recording goes on wher
 """
 
 import argparse
+import collections
 import concurrent.futures
 import csv
 import hashlib
@@ -46,6 +47,9 @@ class Recorder:
         self.binary = str(binary)
         self.data = data
         self.folder = folder
+        # A seed once drew noise alone. Where it draws a neighbourhood, noise has its own option.
+        usage = self.call("run", "--help").decode()
+        self.seed = "--noise-seed" if "--noise-seed" in usage else "--seed"
 
     def once(self, name, compute):
         """The entry `name` of the manifest, computed unless it is there already."""
@@ -69,7 +73,7 @@ class Recorder:
     def suite(self, name, arguments, seed):
         """Results and actions of a suite's episodes."""
         out = self.folder / "runs" / name
-        self.call("run", *arguments, "--seed", seed, "--record", "thin", "--out", out)
+        self.call("run", *arguments, self.seed, seed, "--record", "thin", "--out", out)
         actions = sorted((out / "episodes").glob("*.actions.json"))
         return {
             "results": without_times(json.loads((out / "results.json").read_text())),
@@ -210,17 +214,20 @@ def renamed(value, table):
     return translated(value, table) if isinstance(value, str) else value
 
 
-def differences(old, new, where=""):
-    """Where two values differ, as lines of text."""
+def differences(old, new, added, where=""):
+    """Where two values differ, as lines of text. Keys that only the new one has are counted in
+    `added`: what a commit reports in addition does not change what it computes."""
     if isinstance(old, dict) and isinstance(new, dict):
         for key in sorted(old.keys() | new.keys()):
-            if key not in old or key not in new:
-                yield f"{where}/{key}: only in the {'new' if key in new else 'old'} one"
+            if key not in old:
+                added[key] += 1
+            elif key not in new:
+                yield f"{where}/{key}: only in the old one"
             else:
-                yield from differences(old[key], new[key], f"{where}/{key}")
+                yield from differences(old[key], new[key], added, f"{where}/{key}")
     elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
         for i, pair in enumerate(zip(old, new)):
-            yield from differences(*pair, f"{where}/{i}")
+            yield from differences(*pair, added, f"{where}/{i}")
     elif old != new:
         yield f"{where}: {str(old)[:200]} -> {str(new)[:200]}"
 
@@ -246,7 +253,10 @@ def main():
         return
     names = tomllib.loads(arguments.names.read_text()) if arguments.names else {}
     old = renamed(json.loads(arguments.old.read_text()), names)
-    found = list(differences(old, json.loads(arguments.new.read_text())))
+    added = collections.Counter()
+    found = list(differences(old, json.loads(arguments.new.read_text()), added))
+    for key, count in sorted(added.items()):
+        print(f"only in the new one: {key} ({count} times)")
     print("\n".join(found) if found else "identical")
     sys.exit(1 if found else 0)
 

@@ -90,14 +90,14 @@ pub struct Measured {
 impl Estimate {
     /// From a refined pose; `here` is the robot's pose in `odom`. `None` if it is not finite.
     pub fn begin(chart: &Chart, refined: &Refined, here: Pose2) -> Option<Self> {
-        let buildings = &refined.buildings;
-        let offset = |one: &BuildingEvidence| BuildingOffset {
+        let buildings = most_seen(&refined.buildings);
+        let offset = |one: &&BuildingEvidence| BuildingOffset {
             building: chart.buildings[one.building],
             offset: one.offset,
         };
         let mut equations =
             Equations::of(DMatrix::from_diagonal(&DVector::from_row_slice(&NOTHING)));
-        for one in buildings {
+        for one in &buildings {
             let place = equations.extend(refined.building_m, one.offset);
             equations.add(one, place);
         }
@@ -159,9 +159,8 @@ impl Estimate {
     }
 
     /// The same with what was seen from here, which nothing before has shown: facades of the last
-    /// stretch. `about` is a refined pose that agrees: it says how far buildings are displaced in
-    /// general, and nearly where those are that are new. `None` if what is seen contradicts the
-    /// estimate.
+    /// stretch. `about` is a refined pose that agrees; it says nearly where buildings are that are
+    /// new. `None` if what is seen contradicts the estimate.
     pub fn with(&self, chart: &Chart, seen: &Submap, about: &Refined) -> Option<Self> {
         let mut after = self.clone();
         let guesses = self.guesses(chart, about);
@@ -179,7 +178,7 @@ impl Estimate {
             let pose = in_chart(chart, after.pose);
             matching.linearise(&seen.facades, pose, GATE_M, FACADE);
             equations.forget(&after.departure(self));
-            for one in matching.buildings.iter().filter(|one| one.facades > 0) {
+            for one in most_seen(&matching.buildings) {
                 let building = chart.buildings[one.building];
                 let place = after.place(building).unwrap_or_else(|| {
                     let offset = one.offset;
@@ -240,17 +239,14 @@ impl Estimate {
         for one in &about.buildings {
             let building = chart.buildings[one.building];
             let guess = one.offset + apart;
-            let is_possible = match self.place(building) {
-                Some(place) => {
-                    let at = 3 + 2 * place;
-                    let covariance = self.covariance.fixed_view::<2, 2>(at, at).into_owned();
-                    let error = guess - self.offsets[place].offset;
-                    let known = covariance.try_inverse();
-                    known.is_some_and(|known| error.dot(&(known * error)) <= GUESS * GUESS)
-                }
-                None => true,
+            let is_possible = |place: usize| {
+                let at = 3 + 2 * place;
+                let covariance = self.covariance.fixed_view::<2, 2>(at, at).into_owned();
+                let error = guess - self.offsets[place].offset;
+                let known = covariance.try_inverse();
+                known.is_some_and(|known| error.dot(&(known * error)) <= GUESS * GUESS)
             };
-            if is_possible {
+            if self.place(building).is_none_or(is_possible) {
                 guesses.insert(building, guess);
             }
         }
@@ -417,6 +413,14 @@ impl Equations {
     fn solver(&self) -> Option<Cholesky<f64, Dyn>> {
         self.information.clone().cholesky()
     }
+}
+
+/// The buildings with the most facades, not more than are remembered.
+fn most_seen(buildings: &[BuildingEvidence]) -> Vec<&BuildingEvidence> {
+    let mut seen: Vec<_> = buildings.iter().filter(|one| one.facades > 0).collect();
+    seen.sort_by_key(|one| std::cmp::Reverse(one.facades));
+    seen.truncate(MOST_BUILDINGS);
+    seen
 }
 
 /// The variance of all offsets, from that of those which are small enough to be found, up to
