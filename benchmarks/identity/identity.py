@@ -25,8 +25,8 @@ import urllib.request
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-# Keys of `results.json` that a machine's speed decides.
-MACHINE_TIMES = {"wall_seconds", "real_time_factor"}
+# Keys of `results.json` that a machine's speed decides, and what says which binary ran.
+LEFT_OUT = {"wall_seconds", "real_time_factor", "build"}
 SUITES = [("small", 0), ("small", 1), ("small", 2), ("medium", 0), ("large", 0)]
 PUBLISHED_SEEDS = {"small": [0, 1, 2], "medium": [0]}
 # Extract, longitude and latitude of the middle, seed of the world.
@@ -76,7 +76,7 @@ class Recorder:
         self.call("run", *arguments, self.seed, seed, "--record", "thin", "--out", out)
         actions = sorted((out / "episodes").glob("*.actions.json"))
         return {
-            "results": without_times(json.loads((out / "results.json").read_text())),
+            "results": compared(json.loads((out / "results.json").read_text())),
             "episodes": {path.name: actions_of(path) for path in actions},
         }
 
@@ -159,12 +159,12 @@ class Recorder:
         return entries
 
 
-def without_times(value):
-    """`value` without what a machine's speed decides."""
+def compared(value):
+    """`value` without what no two runs of two commits share."""
     if isinstance(value, dict):
-        return {k: without_times(v) for k, v in value.items() if k not in MACHINE_TIMES}
+        return {k: compared(v) for k, v in value.items() if k not in LEFT_OUT}
     if isinstance(value, list):
-        return [without_times(item) for item in value]
+        return [compared(item) for item in value]
     return value
 
 
@@ -252,9 +252,9 @@ def main():
         (arguments.folder / "manifest.json").write_text(manifest)
         return
     names = tomllib.loads(arguments.names.read_text()) if arguments.names else {}
-    old = renamed(json.loads(arguments.old.read_text()), names)
+    old = renamed(compared(json.loads(arguments.old.read_text())), names)
     added = collections.Counter()
-    found = list(differences(old, json.loads(arguments.new.read_text()), added))
+    found = list(differences(old, compared(json.loads(arguments.new.read_text())), added))
     for key, count in sorted(added.items()):
         print(f"only in the new one: {key} ({count} times)")
     print("\n".join(found) if found else "identical")
