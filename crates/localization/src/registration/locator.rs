@@ -232,9 +232,13 @@ impl Locator {
     fn find(&mut self, here: Pose2) -> Option<Measured> {
         let best = self.bank.first();
         let best = best.filter(|best| self.decides && best.is_certain())?;
-        let measured = best.located.measured();
         let (chart, _) = self.chart.as_ref()?;
         let estimate = Estimate::begin(chart, &best.located.candidate.refined, here)?;
+        // Of the estimate, not of the candidate: what the next stretches add is measured from here.
+        let measured = Measured {
+            pose: estimate.pose,
+            information: estimate.covariance().try_inverse()?,
+        };
         self.keep(estimate);
         Some(measured)
     }
