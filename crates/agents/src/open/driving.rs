@@ -141,9 +141,11 @@ impl Driver {
             .observe_static(ring, |point| self.tracker.covers(point));
     }
 
-    /// Forgets all obstacles that were seen, after they were misplaced.
-    pub fn forget_seen(&mut self) {
+    /// Forgets all obstacles that were seen, after they were misplaced, and covers the ground around
+    /// the robot.
+    pub fn forget_seen(&mut self, here: MapPoint) {
         self.terrain.forget_seen();
+        self.terrain.follow(here);
         self.window.forget_seen();
     }
 

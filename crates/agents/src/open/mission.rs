@@ -5,11 +5,10 @@ use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
-    PlannedDelivery, Pose2, PoseEstimate, RobotDescription, SimTime, Velocity, Work, with_causes,
+    PlannedDelivery, RobotDescription, SimTime, Velocity, Work, with_causes,
 };
 use openbench_language::{PlanError, PlanRequest, Planner};
-use openbench_localization::Localizer;
-use openbench_motion::local::make_planner;
+use openbench_motion::local::{PlannerEntry, make_planner};
 use openbench_osm::{Location, OsmData, OsmMap, locate};
 use openbench_routing::{MapRouter, Profile, Router, RouterTimes};
 use openbench_vision::{PlateReader, ReaderError};
@@ -18,17 +17,18 @@ use crate::open::caution::{Caution, Measure};
 use crate::open::doorstep;
 use crate::open::driving::{Driver, Driving, Target};
 use crate::open::exploration::{self, Waypoint};
+use crate::open::locating::Locating;
 use crate::open::memory::Memory;
 use crate::open::parts::{Parts, Situation};
-use crate::open::perception::Perception;
+use crate::open::senses::Senses;
 use crate::open::settings;
 use crate::open::sighting::Sighting;
 use crate::open::terrain::Terrain;
+use whereabouts::Guess;
 
 mod looking;
+mod whereabouts;
 
-/// A pending correction of the pose from which on it is noted.
-const NOTABLE_CORRECTION_M: f64 = 0.3;
 /// Distances of waypoints from the wall: all at the first, then all at the next.
 const STANDOFFS_M: [f64; 3] = [4.0, 5.5, 2.6];
 /// Distance in front of a known door from which its plate is read again.
@@ -41,6 +41,8 @@ const DETOUR_FACTOR: f64 = 1.3;
 /// What the robot is doing about the current delivery.
 #[derive(Debug, Clone, PartialEq)]
 enum Stage {
+    /// About to drive.
+    SetOut,
     /// Driving along the road towards the building.
     Travel,
     /// Driving to a waypoint.
@@ -76,7 +78,7 @@ impl Task {
         Self {
             address,
             building,
-            stage: Stage::Travel,
+            stage: Stage::SetOut,
             waypoints: Vec::new(),
             place: None,
             round: 0,
@@ -141,12 +143,18 @@ enum Glimpse {
 /// All deliveries of an episode.
 pub struct Mission {
     robot: RobotDescription,
-    localizer: Box<dyn Localizer>,
+    planner: Box<dyn Planner>,
     reader: Box<dyn PlateReader>,
-    perception: Perception,
+    goal: Goal,
+    senses: Senses,
     driver: Driver,
+    /// Finds out where the robot is, if it does not know.
+    locating: Option<Locating>,
+    guess: Guess,
+    motion: PlannerEntry,
     memory: Memory,
-    queue: VecDeque<PlannedDelivery>,
+    /// What is still to do; `None` until the instruction is understood.
+    queue: Option<VecDeque<PlannedDelivery>>,
     task: Option<Task>,
     seen: Vec<Sighting>,
     last_glance: Glance,
@@ -154,10 +162,6 @@ pub struct Mission {
     unreadable: Vec<MapPoint>,
     /// Uncertain matches that have a waypoint.
     uncertain_plates: Vec<MapPoint>,
-    /// Whether a notable correction of the pose is pending.
-    correcting: bool,
-    /// Whether the localizer knew where the robot is on the map.
-    was_located: bool,
     caution: Caution,
     /// Distance from which plates at door height are in the picture, metres.
     sees_from: f64,
@@ -174,48 +178,41 @@ impl Mission {
         briefing: &Briefing,
         events: &mut dyn Events,
     ) -> Result<Self, GiveUp> {
-        let start = briefing.start_pose()?;
-        let data = OsmData::from_bytes(&briefing.map_osm)
-            .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
+        let data = OsmData::from_bytes(&briefing.map_osm).map_err(unusable)?;
         let memory = Memory::new(data, briefing.georeference, parts.memory.as_ref());
-        let router = MapRouter::new(
-            memory.data(),
-            memory.map().projection.clone(),
-            Profile::delivery(),
-        )
-        .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
-        // The planner needs travel times. The terrain then takes the router.
-        let queue = understand(
-            parts.planner.as_ref(),
-            briefing,
-            start,
-            memory.map(),
-            &router,
-            events,
-        )?;
+        let projection = memory.map().projection.clone();
+        let roads = MapRouter::new(memory.data(), projection, Profile::delivery());
         let robot = briefing.robot.clone();
-        let motion = make_planner(&parts.motion, &settings::planning(&robot))
-            .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
-        let terrain = Terrain::new(
-            memory.map().clone(),
-            Some(router),
-            start.point(),
-            &robot,
-            parts.ground,
-        )
-        .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
-        let driver = Driver::new(terrain, robot.clone(), motion)
-            .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let mut localizer = (parts.localizer)(&Situation {
             robot: &robot,
             map: Some(memory.map()),
             start: briefing.start,
         });
+        // A localizer that finds the robot by itself needs no pose to begin with.
+        let given = briefing.start.pose();
+        if localizer.is_located() {
+            briefing.start_pose()?;
+        }
+        let start = given.unwrap_or_default();
         localizer.reset(start);
-        Ok(Self {
-            perception: Perception::new(robot.clone()),
-            driver,
+        let terrain = Terrain::new(
+            memory.map().clone(),
+            Some(roads.map_err(unusable)?),
+            start.point(),
+            &robot,
+            parts.ground,
+        )
+        .map_err(unusable)?;
+        let mut mission = Self {
+            senses: Senses::new(robot.clone(), localizer),
+            driver: driver(&parts.motion, terrain, &robot)?,
+            planner: parts.planner,
             reader: parts.reader,
+            goal: briefing.goal.clone(),
+            motion: parts.motion,
+            locating: None,
+            guess: given.map_or(Guess::Missing, |_| Guess::Given),
+            queue: None,
             task: None,
             seen: Vec::new(),
             last_glance: Glance {
@@ -224,15 +221,16 @@ impl Mission {
             },
             unreadable: Vec::new(),
             uncertain_plates: Vec::new(),
-            correcting: false,
-            was_located: localizer.is_located(),
             caution: Caution::default(),
             sees_from: exploration::sees_plates_from(&robot),
             robot,
-            localizer,
             memory,
-            queue,
-        })
+        };
+        // By a pose that is roughly right, too: what is not understood is known at once.
+        if given.is_some() {
+            mission.queue = Some(mission.understand(start.point(), events)?);
+        }
+        Ok(mission)
     }
 
     /// The agent's map as OSM XML.
@@ -250,6 +248,9 @@ impl Mission {
     /// against no timeout.
     pub fn resume(&mut self, stood: Duration) {
         self.driver.resume(stood);
+        if let Some(locating) = &mut self.locating {
+            locating.resume(stood);
+        }
         self.last_glance.time = self.last_glance.time + stood;
     }
 
@@ -257,17 +258,16 @@ impl Mission {
     pub fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         self.sense(observation, events);
         // Sensed before this test, since a localizer becomes ready by its sensors.
-        if !self.localizer.ready() {
+        if !self.senses.is_ready() {
             return Action::Drive(Velocity::ZERO);
         }
-        let health = self.localizer.health();
-        let measure = self.caution.look(health, observation.time);
+        let measure = self.caution.look(self.senses.health(), observation.time);
         // Before the mission decides, so that no path is planned around misplaced obstacles.
         if self.caution.is_over() {
             events.record(Event::Note(
                 "the pose is trusted again; what was seen in doubt is forgotten".into(),
             ));
-            self.driver.forget_seen();
+            self.driver.forget_seen(self.senses.pose().point());
         }
         match measure {
             Measure::GoOn => self.go_on(observation, events),
@@ -284,6 +284,9 @@ impl Mission {
     }
 
     fn go_on(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
+        if self.is_searching() {
+            return self.search(observation.time, events);
+        }
         let next = match self.task.take() {
             Some(task) => self.pursue(task, observation, events),
             None => self.next_delivery(events),
@@ -297,55 +300,17 @@ impl Mission {
         }
     }
 
-    fn sense(&mut self, observation: &Observation<'_>, events: &mut dyn Events) {
-        let before = self.localizer.pose();
-        self.localizer.update(observation);
-        if !self.was_located && self.localizer.is_located() {
-            self.was_located = true;
-            self.found(before, events);
-        }
-        self.driver.observe_wheels(observation.wheels);
-        if let Some(scan) = observation.scan {
-            if self.localizer.registers_scans() {
-                events.record(Event::Work(Work::Registration));
-            }
-            events.record(Event::Work(Work::Mapping));
-            // After the localizer took in the same observation: the scan is undistorted with its
-            // poses.
-            let ring = self.perception.observe(scan, self.localizer.as_ref());
-            self.driver.observe(&ring, observation.time);
-            let (pose, health) = (self.localizer.pose(), self.localizer.health());
-            events.record(Event::PoseEstimate(PoseEstimate { pose, health }));
-        }
-        self.announce(events);
-    }
-
-    /// The robot was found on the map. What was seen before is where it was thought to be.
-    fn found(&mut self, thought: Pose2, events: &mut dyn Events) {
-        let away = self.localizer.pose().point().distance(thought.point());
-        events.record(Event::Note(format!(
-            "the robot is found on the map, {away:.1} m from where it was thought to be"
-        )));
-        self.driver.forget_seen();
-        self.perception = Perception::new(self.robot.clone());
-        self.seen.clear();
-    }
-
-    /// Notes a pending correction of the pose that is large enough to be visible.
-    fn announce(&mut self, events: &mut dyn Events) {
-        let pending = self.localizer.pending();
-        if pending > NOTABLE_CORRECTION_M && !self.correcting {
-            events.record(Event::Note(format!(
-                "the pose turns out to be {pending:.1} m off and is corrected"
-            )));
-        }
-        // Hysteresis: one correction that shrinks past the threshold and back is noted once.
-        self.correcting = pending > NOTABLE_CORRECTION_M
-            || self.correcting && pending > NOTABLE_CORRECTION_M / 2.0;
-    }
-
     fn next_delivery(&mut self, events: &mut dyn Events) -> Next {
-        let Some(delivery) = self.queue.pop_front() else {
+        let mut queue = match self.queue.take() {
+            Some(queue) => queue,
+            None => match self.understand(self.senses.pose().point(), events) {
+                Ok(queue) => queue,
+                Err(give_up) => return Next::End(Action::GiveUp(give_up)),
+            },
+        };
+        let delivery = queue.pop_front();
+        self.queue = Some(queue);
+        let Some(delivery) = delivery else {
             let detail = "every planned delivery is done".to_owned();
             return Next::End(Action::GiveUp(all(FailureCause::NotDeclared, detail)));
         };
@@ -354,29 +319,68 @@ impl Mission {
         self.unreadable.clear();
         self.uncertain_plates.clear();
         events.record(Event::Task(delivery.address()));
-        let task = match self.look_up(delivery) {
-            Ok(task) => task,
-            Err(give_up) => return Next::End(Action::GiveUp(give_up)),
-        };
+        match self.look_up(&delivery) {
+            Ok(task) => self.set_out(task, events),
+            Err(give_up) => Next::End(Action::GiveUp(give_up)),
+        }
+    }
+
+    /// Begins to drive to the building.
+    fn set_out(&mut self, task: Task, events: &mut dyn Events) -> Next {
         match self.road_to(task.building, events) {
-            Some(end) if end.distance(self.localizer.pose().point()) > NEARBY_M => {
+            Some(end) if end.distance(self.senses.pose().point()) > NEARBY_M => {
                 self.driver.set_target(Target {
                     point: end,
                     yaw: None,
                     must: false,
                 });
-                Next::stand(task)
+                Next::stand(Task {
+                    stage: Stage::Travel,
+                    ..task
+                })
             }
             _ => self.end_travel(task, events),
         }
     }
 
+    /// Turns the instruction into deliveries, by the times that ways take from `start`.
+    fn understand(
+        &self,
+        start: MapPoint,
+        events: &mut dyn Events,
+    ) -> Result<VecDeque<PlannedDelivery>, GiveUp> {
+        let Goal::Instruction(instruction) = &self.goal else {
+            return Err(all(
+                FailureCause::NotUnderstood,
+                "OPEN takes instructions in words only".into(),
+            ));
+        };
+        let roads = self.driver.terrain().roads();
+        let times = RouterTimes {
+            router: roads.ok_or_else(|| all(FailureCause::Briefing, "no roads".into()))?,
+            // The one speed for roads and open ground: the robot drives no faster on roads.
+            off_road_speed: self.robot.max_forward,
+        };
+        let request = PlanRequest {
+            instruction,
+            map: self.memory.map(),
+            start,
+            times: &times,
+        };
+        let plan = self
+            .planner
+            .plan(&request)
+            .map_err(|error| all(cause_of(&error), with_causes(&error)))?;
+        events.record(Event::Plan(plan.clone()));
+        Ok(plan.deliveries.into())
+    }
+
     /// Finds the building of a delivery, and its door if map or memory have it.
-    fn look_up(&self, delivery: PlannedDelivery) -> Result<Task, GiveUp> {
+    fn look_up(&self, delivery: &PlannedDelivery) -> Result<Task, GiveUp> {
         let address = delivery.address();
         let unknown = FailureCause::UnknownAddress;
-        if let Some(problem) = delivery.problem {
-            return Err(one(address, unknown, problem));
+        if let Some(problem) = &delivery.problem {
+            return Err(one(address, unknown, problem.clone()));
         }
         let map = self.memory.map();
         let (building, entrance) = match locate(map, &address) {
@@ -396,11 +400,16 @@ impl Mission {
         Ok(Task::new(address, building, expected))
     }
 
+    /// The point of a building's outline that is nearest to a place.
+    fn wall_nearest(&self, building: usize, place: MapPoint) -> MapPoint {
+        let polygon = &self.memory.map().buildings[building].polygon;
+        polygon.nearest_boundary_point(place).point
+    }
+
     /// Where the road to a building ends, if the map has one worth taking.
     fn road_to(&self, building: usize, events: &mut dyn Events) -> Option<MapPoint> {
-        let from = self.localizer.pose().point();
-        let polygon = &self.memory.map().buildings[building].polygon;
-        let to = polygon.nearest_boundary_point(from).point;
+        let from = self.senses.pose().point();
+        let to = self.wall_nearest(building, from);
         let route = self.driver.terrain().roads()?.route(from, to).ok()?;
         let (first, last) = (*route.points.first()?, *route.points.last()?);
         // With both gaps between the road and the ends, to be comparable with the straight line. A
@@ -417,6 +426,7 @@ impl Mission {
         events: &mut dyn Events,
     ) -> Next {
         match task.stage {
+            Stage::SetOut => self.set_out(task, events),
             Stage::Look(since) => {
                 task.looked = true;
                 self.look(task, since, observation, events)
@@ -449,7 +459,7 @@ impl Mission {
     }
 
     fn drive(&mut self, task: Task, now: SimTime, events: &mut dyn Events) -> Next {
-        match self.driver.drive(self.localizer.pose(), now, events) {
+        match self.driver.drive(self.senses.pose(), now, events) {
             Driving::OnTheWay(velocity) => Next::GoOn(Box::new(task), velocity),
             Driving::Arrived => self.arrived(task, now, events),
             Driving::Unreachable => self.missed(task, events),
@@ -458,7 +468,7 @@ impl Mission {
 
     fn arrived(&mut self, task: Task, now: SimTime, events: &mut dyn Events) -> Next {
         match &task.stage {
-            Stage::Travel => self.end_travel(task, events),
+            Stage::SetOut | Stage::Travel => self.end_travel(task, events),
             // Obstacles seen on the way may have moved its end beside a porch.
             Stage::Approach(door)
                 if !self.is_before(door) && task.doorstep <= doorstep::FARTHEST_M =>
@@ -476,7 +486,7 @@ impl Mission {
     /// The target of the stage could not be reached.
     fn missed(&mut self, mut task: Task, events: &mut dyn Events) -> Next {
         match &task.stage {
-            Stage::Travel => self.end_travel(task, events),
+            Stage::SetOut | Stage::Travel => self.end_travel(task, events),
             Stage::Approach(door) => {
                 let door = door.clone();
                 self.missed_door(task, door, events)
@@ -496,7 +506,7 @@ impl Mission {
             return self.approach(task, door);
         }
         // No doorstep can be reached. Near enough, the parcel is put down here.
-        if doorstep::is_at_door(&door, self.localizer.pose().point()) {
+        if doorstep::is_at_door(&door, self.senses.pose().point()) {
             return Next::delivered(task);
         }
         // The door may have been read wrongly or be mapped wrongly, so it is no longer expected.
@@ -532,7 +542,7 @@ impl Mission {
     /// The nearest place not yet looked from that a path leads to; after the last one all again
     /// from another distance; then the door is not found, or nothing leads there.
     fn next_waypoint(&mut self, mut task: Task, events: &mut dyn Events) -> Next {
-        let here = self.localizer.pose().point();
+        let here = self.senses.pose().point();
         let nearest = loop {
             let terrain = self.driver.terrain();
             events.record(Event::Work(Work::PathSearch));
@@ -566,8 +576,7 @@ impl Mission {
             );
             return Next::give_up(task, FailureCause::DoorNotFound, detail);
         }
-        let polygon = &self.memory.map().buildings[task.building].polygon;
-        let wall = polygon.nearest_boundary_point(here).point;
+        let wall = self.wall_nearest(task.building, here);
         let detail = self.driver.terrain().obstacle(here, wall);
         Next::give_up(task, FailureCause::NoRoute, detail)
     }
@@ -590,7 +599,7 @@ impl Mission {
     }
 
     fn is_before(&self, door: &Sighting) -> bool {
-        doorstep::is_in_front(door, self.localizer.pose().point())
+        doorstep::is_in_front(door, self.senses.pose().point())
     }
 
     fn approach(&mut self, task: Task, door: Sighting) -> Next {
@@ -642,36 +651,18 @@ fn one(address: Address, cause: FailureCause, detail: String) -> GiveUp {
     }
 }
 
-fn understand(
-    planner: &dyn Planner,
-    briefing: &Briefing,
-    start: Pose2,
-    map: &OsmMap,
-    router: &MapRouter,
-    events: &mut dyn Events,
-) -> Result<VecDeque<PlannedDelivery>, GiveUp> {
-    let Goal::Instruction(instruction) = &briefing.goal else {
-        return Err(all(
-            FailureCause::NotUnderstood,
-            "OPEN takes instructions in words only".into(),
-        ));
-    };
-    let times = RouterTimes {
-        router,
-        // The one speed for roads and open ground: the robot drives no faster on roads.
-        off_road_speed: briefing.robot.max_forward,
-    };
-    let request = PlanRequest {
-        instruction,
-        map,
-        start: start.point(),
-        times: &times,
-    };
-    let plan = planner
-        .plan(&request)
-        .map_err(|error| all(cause_of(&error), with_causes(&error)))?;
-    events.record(Event::Plan(plan.clone()));
-    Ok(plan.deliveries.into())
+fn unusable(error: impl std::error::Error) -> GiveUp {
+    all(FailureCause::Briefing, with_causes(&error))
+}
+
+/// Drives a robot over ground with a local planner.
+fn driver(
+    motion: &PlannerEntry,
+    terrain: Terrain,
+    robot: &RobotDescription,
+) -> Result<Driver, GiveUp> {
+    let planner = make_planner(motion, &settings::planning(robot)).map_err(unusable)?;
+    Driver::new(terrain, robot.clone(), planner).map_err(unusable)
 }
 
 fn cause_of(error: &PlanError) -> FailureCause {

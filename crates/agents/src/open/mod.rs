@@ -10,12 +10,14 @@
 //! | [`choices`] | [`Choices`]: the values that each setting takes, for help texts |
 //! | [`models`] | [`Models`]: the language and vision models of a mission |
 //! | [`mission`] | deliveries one after another, and the stages of each |
+//! | [`locating`] | finding out where the robot is |
 //! | [`caution`] | what the robot does when its pose cannot be trusted |
 //! | [`driving`] | costmaps, navigator, and when a target is given up |
 //! | [`terrain`] | the ground nearby, and corridors to distant goals |
 //! | [`exploration`] | waypoints around a building |
 //! | [`doorstep`] | where a parcel is put down in front of a door |
 //! | [`sighting`] | the position of a plate, by LiDAR |
+//! | [`senses`] | where the robot is, and what its LiDAR shows there |
 //! | [`perception`] | LiDAR scans in the `map` frame |
 //! | [`memory`] | the agent's own copy of the map |
 //! | `thinking` | how long the robot stands while models compute |
@@ -26,11 +28,13 @@ pub mod choices;
 pub mod doorstep;
 pub mod driving;
 pub mod exploration;
+pub mod locating;
 pub mod memory;
 pub mod mission;
 pub mod models;
 pub mod parts;
 pub mod perception;
+pub mod senses;
 pub mod settings;
 pub mod sighting;
 pub mod terrain;

@@ -135,7 +135,7 @@ impl Terrain {
     }
 
     /// Moves the fine costmap along with the robot.
-    fn follow(&mut self, here: MapPoint) {
+    pub fn follow(&mut self, here: MapPoint) {
         let grid = self.near.grid();
         let middle = grid.origin.x + 0.5 * grid.width as f64 * grid.cell;
         let middle = MapPoint::new(middle, grid.origin.y + 0.5 * grid.height as f64 * grid.cell);

@@ -101,7 +101,7 @@ impl Mission {
             return None;
         }
         self.uncertain_plates.push(position);
-        let here = self.localizer.pose().point();
+        let here = self.senses.pose().point();
         let map = self.memory.map();
         Some(exploration::nearer_to_plate(
             map,
@@ -135,7 +135,7 @@ impl Mission {
         // Before reading, so that an image that shows nothing counts as a glance as well.
         self.last_glance = Glance {
             time: observation.time,
-            yaw: self.localizer.pose().yaw,
+            yaw: self.senses.pose().yaw,
         };
         let known = self.seen.len();
         match self.read(&image, events) {
@@ -157,7 +157,7 @@ impl Mission {
 
     /// Whether the view may have changed since the last glance.
     fn is_new_view(&self, now: SimTime) -> bool {
-        let turned = wrap_angle(self.localizer.pose().yaw - self.last_glance.yaw).abs();
+        let turned = wrap_angle(self.senses.pose().yaw - self.last_glance.yaw).abs();
         now.since(self.last_glance.time) >= GLANCE_INTERVAL
             || turned >= GLANCE_TURN * self.robot.camera_intrinsics.horizontal_fov
     }
@@ -174,7 +174,7 @@ impl Mission {
 
     /// Whether the camera faces a building from near enough to read its plates.
     fn faces(&self, building: usize) -> bool {
-        let (map, pose) = (self.memory.map(), self.localizer.pose());
+        let (map, pose) = (self.memory.map(), self.senses.pose());
         if map.distance_to_building(building, pose.point()) > GLANCE_DISTANCE_M {
             return false;
         }
@@ -224,7 +224,7 @@ impl Mission {
         image: &Arc<Image>,
         events: &mut dyn Events,
     ) -> Result<Vec<Location>, ReaderError> {
-        let pose = self.localizer.pose();
+        let pose = self.senses.pose();
         // What models are asked is counted by itself.
         if self.reader.computes_here() {
             events.record(Event::Work(Work::Reading));
@@ -235,7 +235,7 @@ impl Mission {
         for reading in readings.iter().filter(|r| parse_unit(&r.text).is_some()) {
             let located = sighting::locate(
                 reading,
-                &self.perception,
+                self.senses.perception(),
                 pose,
                 &self.robot.camera_intrinsics,
             );
@@ -255,7 +255,7 @@ impl Mission {
             }
         }
         let unread = readings.iter().filter(|r| sighting::is_puzzling(r));
-        let locate = |r| sighting::locate(r, &self.perception, pose, &self.robot.camera_intrinsics);
+        let locate = |r| sighting::locate(r, self.senses.perception(), pose, &self.robot.camera_intrinsics);
         Ok(unread.filter_map(locate).collect())
     }
 

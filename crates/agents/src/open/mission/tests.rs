@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 use openbench_core::{
     Camera, Discard, Georeference, Health, Image, LonLat, Plan, Pose2, Start, Step,
 };
+use openbench_localization::Localizer;
 use openbench_models::{ChatError, Meter};
 use openbench_motion::costmap::Preferences;
 use openbench_motion::follower;
@@ -96,11 +97,17 @@ impl PlateReader for Blind {
     }
 }
 
-/// Stands at the start, in the health that a test gives it.
+/// What a test says about the localizer.
+#[derive(Debug, Clone, Copy)]
+struct Said {
+    health: Health,
+    is_located: bool,
+}
+
+/// Stands at the start, and is what a test says.
 struct Standing {
     start: Pose2,
-    is_located: bool,
-    health: Arc<Mutex<Health>>,
+    said: Arc<Mutex<Said>>,
 }
 
 impl Localizer for Standing {
@@ -127,11 +134,11 @@ impl Localizer for Standing {
     }
 
     fn is_located(&self) -> bool {
-        self.is_located
+        self.said.lock().unwrap().is_located
     }
 
     fn health(&self) -> Health {
-        *self.health.lock().unwrap()
+        self.said.lock().unwrap().health
     }
 }
 
@@ -150,18 +157,31 @@ impl Camera for Shutter {
     }
 }
 
-/// A mission to these doors, 8 m west of the house, and the health of its localizer.
-fn mission(doors: &[Address]) -> (Mission, Arc<Mutex<Health>>) {
-    let health = Arc::new(Mutex::new(Health::Good));
-    let shared = health.clone();
+/// A mission to these doors, 8 m west of the house, and what its localizer says.
+fn mission(doors: &[Address]) -> (Mission, Arc<Mutex<Said>>) {
+    let start = Start::exact(Pose2::new(-8.0, 3.0, 0.0));
+    let (mission, said) = begun(doors, start, true);
+    (mission.unwrap(), said)
+}
+
+/// A mission that begins with this start, and a localizer that knows where it is or not.
+fn begun(
+    doors: &[Address],
+    start: Start,
+    is_located: bool,
+) -> (Result<Mission, GiveUp>, Arc<Mutex<Said>>) {
+    let said = Arc::new(Mutex::new(Said {
+        health: Health::Good,
+        is_located,
+    }));
+    let shared = said.clone();
     let parts = Parts {
         planner: Box::new(Planned(doors.to_vec())),
         reader: Box::new(Blind),
         localizer: Box::new(move |_| {
             Box::new(Standing {
                 start: Pose2::default(),
-                is_located: true,
-                health: shared.clone(),
+                said: shared.clone(),
             })
         }),
         motion: follower::entry(),
@@ -174,12 +194,11 @@ fn mission(doors: &[Address]) -> (Mission, Arc<Mutex<Health>>) {
         map_osm: MAP.as_bytes().to_vec(),
         georeference: Georeference::tangent_plane(LonLat::new(8.0, 50.0)),
         goal: Goal::Instruction("as planned".into()),
-        start: Start::exact(Pose2::new(-8.0, 3.0, 0.0)),
+        start,
         robot: RobotDescription::sentry(),
         time_limit: Duration::from_secs(1200),
     };
-    let mission = Mission::begin(parts, &briefing, &mut Discard).unwrap();
-    (mission, health)
+    (Mission::begin(parts, &briefing, &mut Discard), said)
 }
 
 /// What a robot that stands without a scan observes.
@@ -242,8 +261,8 @@ fn a_mission_without_deliveries_left_gives_up_what_it_did_not_plan() {
 
 #[test]
 fn a_lost_robot_stands_and_then_gives_up_everything() {
-    let (mut mission, health) = mission(&[Address::new("building1", "unit1")]);
-    *health.lock().unwrap() = Health::Lost;
+    let (mut mission, said) = mission(&[Address::new("building1", "unit1")]);
+    said.lock().unwrap().health = Health::Lost;
     for seconds in 0..15 {
         let action = act(&mut mission, 1000 * seconds, &Shutter(true));
         assert_eq!(action, Action::Drive(Velocity::ZERO), "{seconds} s");
@@ -252,26 +271,71 @@ fn a_lost_robot_stands_and_then_gives_up_everything() {
     assert_eq!((all.address, all.cause), (None, FailureCause::Lost));
 }
 
+/// A start that is known to be somewhere.
+const SOMEWHERE: Start = Start::Area {
+    centre: MapPoint::new(0.0, 0.0),
+    radius_m: 75.0,
+};
+
 #[test]
-fn once_the_robot_is_found_what_it_saw_elsewhere_is_forgotten() {
-    let (mut mission, health) = mission(&[Address::new("building1", "unit1")]);
-    let standing = |is_located| {
-        Box::new(Standing {
-            start: Pose2::new(-8.0, 3.0, 0.0),
-            is_located,
-            health: health.clone(),
-        })
-    };
-    (mission.localizer, mission.was_located) = (standing(false), false);
-    mission.seen.push(door("unit1", 0.9));
+fn a_start_that_is_not_known_is_no_start_for_a_localizer_that_does_not_search() {
+    let doors = [Address::new("building1", "unit1")];
+    let give_up = begun(&doors, SOMEWHERE, true).0.err().unwrap();
+    assert_eq!(give_up.cause, FailureCause::Lost);
+}
+
+#[test]
+fn a_robot_that_does_not_know_where_it_is_searches_before_it_plans() {
+    let doors = [Address::new("building1", "unit1")];
+    let (mission, said) = begun(&doors, SOMEWHERE, false);
+    let mut mission = mission.unwrap();
+    let mut events = Vec::new();
+    for milliseconds in [50, 100, 3000] {
+        let action = mission.act(&observation(milliseconds, &Shutter(true)), &mut events);
+        assert!(matches!(action, Action::Drive(_)), "{action:?}");
+    }
+    assert!(mission.locating.is_some() && mission.task.is_none());
+    assert!(matches!(&events[..], [Event::Note(_)]), "{events:?}");
+    said.lock().unwrap().is_located = true;
+    act(&mut mission, 3050, &Shutter(true));
+    assert!(mission.locating.is_none() && mission.task.is_some());
+}
+
+#[test]
+fn a_search_that_finds_nothing_ends_with_the_start_as_given_or_with_the_episode() {
+    let doors = [Address::new("building1", "unit1")];
+    let near = Start::exact(Pose2::new(-8.0, 3.0, 0.0));
+    let (mission, _) = begun(&doors, near, false);
+    let mut mission = mission.unwrap();
+    act(&mut mission, 0, &Shutter(true));
+    assert!(mission.task.is_none());
+    act(&mut mission, 1_000_000, &Shutter(true));
+    act(&mut mission, 1_000_050, &Shutter(true));
+    assert!(mission.locating.is_none() && mission.task.is_some());
+
+    let (mission, _) = begun(&doors, SOMEWHERE, false);
+    let mut mission = mission.unwrap();
+    act(&mut mission, 0, &Shutter(true));
+    let all = given_up(act(&mut mission, 1_000_000, &Shutter(true)));
+    assert_eq!((all.address, all.cause), (None, FailureCause::Lost));
+}
+
+#[test]
+fn a_robot_that_was_carried_away_searches_and_sets_out_again() {
+    let (mut mission, said) = mission(&[Address::new("building1", "unit1")]);
     act(&mut mission, 50, &Shutter(false));
-    assert_eq!(mission.seen.len(), 1);
-    mission.localizer = standing(true);
+    assert!(mission.task.is_some());
+    mission.seen.push(door("unit1", 0.9));
+    said.lock().unwrap().is_located = false;
     act(&mut mission, 100, &Shutter(false));
-    assert!(mission.seen.is_empty());
+    assert!(mission.locating.is_some());
+    assert_eq!(mission.seen.len(), 1);
+    said.lock().unwrap().is_located = true;
+    act(&mut mission, 150, &Shutter(false));
+    assert!(mission.seen.is_empty() && mission.task.is_some());
     // Only once.
     mission.seen.push(door("unit1", 0.9));
-    act(&mut mission, 150, &Shutter(false));
+    act(&mut mission, 200, &Shutter(false));
     assert_eq!(mission.seen.len(), 1);
 }
 

@@ -1,0 +1,150 @@
+//! Where the robot is: what its sensors say, and what the mission does until it knows.
+
+use openbench_core::{
+    Action, Event, Events, FailureCause, GiveUp, MapPoint, Observation, SimTime, Velocity,
+};
+use openbench_motion::costmap::Preferences;
+use openbench_osm::{OsmData, OsmMap};
+use openbench_routing::Router;
+
+use crate::open::locating::{Limit, Locating, Search};
+use crate::open::senses::Finding;
+use crate::open::terrain::Terrain;
+
+use super::{Mission, Stage, all, driver, unusable};
+
+/// The pose to go on with if the robot is not found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Guess {
+    /// There is none.
+    Missing,
+    /// The start as it was given.
+    Given,
+    /// The same, and the robot goes on with it.
+    Taken,
+}
+
+impl Mission {
+    /// Takes in what the sensors measured.
+    pub(super) fn sense(&mut self, observation: &Observation<'_>, events: &mut dyn Events) {
+        let (ring, finding) = self.senses.take(observation, events);
+        match finding {
+            Some(Finding::Found(away)) => self.found(away, events),
+            Some(Finding::Lost) => self.lost(events),
+            None => {}
+        }
+        let is_searching = self.is_searching();
+        let driver = match &mut self.locating {
+            Some(locating) => locating.driver_mut(),
+            None => &mut self.driver,
+        };
+        driver.observe_wheels(observation.wheels);
+        if let Some(ring) = ring {
+            driver.observe(&ring, observation.time);
+            if let Some(locating) = &mut self.locating {
+                locating.look(&ring);
+            }
+            // A robot that is searched for has no pose on the map.
+            if !is_searching {
+                events.record(Event::PoseEstimate(self.senses.estimate()));
+            }
+        }
+        self.senses.announce(events);
+    }
+
+    /// Whether the robot first has to find out where it is.
+    pub(super) fn is_searching(&self) -> bool {
+        !self.senses.is_located() && self.guess != Guess::Taken
+    }
+
+    /// What was seen before is where the robot was thought to be.
+    fn found(&mut self, away: f64, events: &mut dyn Events) {
+        let way = self.locating.take().map_or(0.0, |search| search.metres());
+        events.record(Event::Note(format!(
+            "the robot is found on the map after a search of {way:.0} m, {away:.1} m from where \
+             it was thought to be"
+        )));
+        self.begin_anew();
+    }
+
+    /// The robot is elsewhere, and may be anywhere near.
+    fn lost(&mut self, events: &mut dyn Events) {
+        events.record(Event::Note(
+            "the robot is not where it was thought to be, and is searched for".into(),
+        ));
+        self.guess = Guess::Missing;
+    }
+
+    /// Forgets what was seen elsewhere, and sets out again from here.
+    fn begin_anew(&mut self) {
+        self.driver.forget_seen(self.senses.pose().point());
+        self.seen.clear();
+        if let Some(task) = &mut self.task {
+            (task.stage, task.place) = (Stage::SetOut, None);
+        }
+    }
+
+    /// Searches on, or goes on with the pose that was given.
+    pub(super) fn search(&mut self, now: SimTime, events: &mut dyn Events) -> Action {
+        let pose = self.senses.pose();
+        let mut locating = match self.locating.take() {
+            Some(locating) => locating,
+            None => match self.new_search(events) {
+                Ok(new) => new,
+                Err(give_up) => return Action::GiveUp(give_up),
+            },
+        };
+        match locating.step(pose, now, events) {
+            Search::Drive(velocity) => {
+                self.locating = Some(locating);
+                Action::Drive(velocity)
+            }
+            Search::Over => self.end_search(locating.metres(), events),
+        }
+    }
+
+    fn new_search(&self, events: &mut dyn Events) -> Result<Locating, GiveUp> {
+        events.record(Event::Note("finding out where the robot is".into()));
+        let (route, limit) = match self.guess {
+            Guess::Given => (self.first_route(), Limit::WITH_POSE),
+            Guess::Missing | Guess::Taken => (Vec::new(), Limit::WITHOUT_POSE),
+        };
+        let nothing = OsmMap::new(
+            &OsmData::default(),
+            self.memory.map().projection.georeference(),
+        );
+        let here = self.senses.pose().point();
+        let ground = Terrain::new(nothing, None, here, &self.robot, Preferences::NONE);
+        let driver = driver(&self.motion, ground.map_err(unusable)?, &self.robot)?;
+        Ok(Locating::new(driver, route, limit))
+    }
+
+    /// The route to the first delivery, as far as it is known; else nothing.
+    fn first_route(&self) -> Vec<MapPoint> {
+        let first = self.queue.as_ref().and_then(|queue| queue.front());
+        let task = first.and_then(|delivery| self.look_up(delivery).ok());
+        let here = self.senses.pose().point();
+        let route = task.and_then(|task| {
+            let roads = self.driver.terrain().roads()?;
+            let wall = self.wall_nearest(task.building, here);
+            let mut points = roads.route(here, wall).map_or(Vec::new(), |route| route.points);
+            points.push(wall);
+            Some(points)
+        });
+        route.unwrap_or_default()
+    }
+
+    fn end_search(&mut self, metres: f64, events: &mut dyn Events) -> Action {
+        if self.guess != Guess::Given {
+            let detail = format!("on {metres:.0} m the robot did not find out where it is");
+            return Action::GiveUp(all(FailureCause::Lost, detail));
+        }
+        events.record(Event::Note(format!(
+            "on {metres:.0} m the robot did not find out where it is, and goes on with the start \
+             as it was given"
+        )));
+        self.guess = Guess::Taken;
+        self.begin_anew();
+        Action::Drive(Velocity::ZERO)
+    }
+}

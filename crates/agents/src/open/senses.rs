@@ -1,0 +1,127 @@
+//! Where the robot is, and what its LiDAR shows there.
+
+use openbench_core::{
+    Event, Events, Health, Observation, Pose2, PoseEstimate, RobotDescription, Work,
+};
+use openbench_localization::Localizer;
+use openbench_motion::RangeRing;
+
+use crate::open::perception::Perception;
+
+/// A pending correction of the pose from which on it is noted.
+const NOTABLE_CORRECTION_M: f64 = 0.3;
+
+/// What a localizer found out about the robot's place on the map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Finding {
+    /// The robot was found, so many metres from where it was thought to be.
+    Found(f64),
+    /// The robot is not where it was thought to be.
+    Lost,
+}
+
+/// The localizer, and the scans of the last second.
+pub struct Senses {
+    robot: RobotDescription,
+    localizer: Box<dyn Localizer>,
+    perception: Perception,
+    /// Whether a notable correction of the pose is pending.
+    correcting: bool,
+    /// Whether the localizer knew where the robot is on the map.
+    is_located: bool,
+}
+
+impl Senses {
+    /// Of a robot with a localizer that has begun.
+    pub fn new(robot: RobotDescription, localizer: Box<dyn Localizer>) -> Self {
+        Self {
+            perception: Perception::new(robot.clone()),
+            correcting: false,
+            is_located: localizer.is_located(),
+            robot,
+            localizer,
+        }
+    }
+
+    /// Takes in all that the sensors measured, but images. Gives the ground around the robot, if a
+    /// scan shows it, and what was found out about the place of the robot.
+    pub fn take(
+        &mut self,
+        observation: &Observation<'_>,
+        events: &mut dyn Events,
+    ) -> (Option<RangeRing>, Option<Finding>) {
+        let before = self.localizer.pose();
+        self.localizer.update(observation);
+        let finding = self.finding(before);
+        let Some(scan) = observation.scan else {
+            return (None, finding);
+        };
+        if self.localizer.registers_scans() {
+            events.record(Event::Work(Work::Registration));
+        }
+        events.record(Event::Work(Work::Mapping));
+        // After the localizer took in the same observation: the scan is undistorted with its poses.
+        let ring = self.perception.observe(scan, self.localizer.as_ref());
+        (Some(ring), finding)
+    }
+
+    fn finding(&mut self, thought: Pose2) -> Option<Finding> {
+        let was_located = std::mem::replace(&mut self.is_located, self.localizer.is_located());
+        match (was_located, self.is_located) {
+            (false, true) => {
+                // Earlier scans are where the robot was thought to be.
+                self.perception = Perception::new(self.robot.clone());
+                let away = self.pose().point().distance(thought.point());
+                Some(Finding::Found(away))
+            }
+            (true, false) => Some(Finding::Lost),
+            _ => None,
+        }
+    }
+
+    /// Notes a pending correction of the pose that is large enough to be visible.
+    pub fn announce(&mut self, events: &mut dyn Events) {
+        let pending = self.localizer.pending();
+        if pending > NOTABLE_CORRECTION_M && !self.correcting {
+            events.record(Event::Note(format!(
+                "the pose turns out to be {pending:.1} m off and is corrected"
+            )));
+        }
+        // Hysteresis: one correction that shrinks past the threshold and back is noted once.
+        self.correcting = pending > NOTABLE_CORRECTION_M
+            || self.correcting && pending > NOTABLE_CORRECTION_M / 2.0;
+    }
+
+    /// Whether the localizer knows where the robot is on the map.
+    pub fn is_located(&self) -> bool {
+        self.is_located
+    }
+
+    /// The newest pose: on the map if [`Senses::is_located`].
+    pub fn pose(&self) -> Pose2 {
+        self.localizer.pose()
+    }
+
+    /// How far the pose can be trusted.
+    pub fn health(&self) -> Health {
+        self.localizer.health()
+    }
+
+    /// Whether the pose can be used already. The robot should stand still until then.
+    pub fn is_ready(&self) -> bool {
+        self.localizer.ready()
+    }
+
+    /// The pose and its health, to be recorded.
+    pub fn estimate(&self) -> PoseEstimate {
+        PoseEstimate {
+            pose: self.pose(),
+            health: self.health(),
+        }
+    }
+
+    /// The scans of the last second.
+    pub fn perception(&self) -> &Perception {
+        &self.perception
+    }
+}
