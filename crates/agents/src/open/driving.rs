@@ -141,8 +141,8 @@ impl Driver {
             .observe_static(ring, |point| self.tracker.covers(point));
     }
 
-    /// Forgets all obstacles that were seen, after they were misplaced, and covers the ground around
-    /// the robot.
+    /// Forgets all obstacles that were seen, after they were misplaced. The ground around the robot
+    /// is covered.
     pub fn forget_seen(&mut self, here: MapPoint) {
         self.terrain.forget_seen();
         self.terrain.follow(here);

@@ -131,7 +131,10 @@ impl Locating {
             return Search::Drive(Velocity::ZERO);
         }
         let events = &mut InOwnFrame(events);
-        if self.target.is_none_or(|target| target.distance(here) < NEAR_M) {
+        if self
+            .target
+            .is_none_or(|target| target.distance(here) < NEAR_M)
+        {
             self.choose(here);
         }
         let Some(target) = self.target else {
@@ -254,7 +257,8 @@ mod tests {
         let nothing = OsmMap::new(&OsmData::default(), anywhere);
         let from = MapPoint::default();
         let terrain = Terrain::new(nothing, None, from, &robot, Preferences::NONE).unwrap();
-        let planner = make_planner(&follower::entry(), &PlannerSettings::new(robot.clone())).unwrap();
+        let planner =
+            make_planner(&follower::entry(), &PlannerSettings::new(robot.clone())).unwrap();
         let driver = Driver::new(terrain, robot, planner).unwrap();
         Locating::new(driver, route, Limit::WITHOUT_POSE)
     }
@@ -290,7 +294,10 @@ mod tests {
     #[test]
     fn it_drives_to_where_it_has_to_go_and_not_back_to_where_it_was() {
         for x in [-60.0, 60.0] {
-            let target = target(&mut search(vec![MapPoint::default(), MapPoint::new(x, 0.0)]));
+            let target = target(&mut search(vec![
+                MapPoint::default(),
+                MapPoint::new(x, 0.0),
+            ]));
             assert!(target.x * x > 0.0, "{target}");
         }
         let mut again = search(Vec::new());
@@ -307,7 +314,10 @@ mod tests {
             assert_eq!(step, Search::Drive(Velocity::ZERO));
         }
         let late = at(1_000_000);
-        assert_eq!(blind.step(Pose2::default(), late, &mut Discard), Search::Over);
+        assert_eq!(
+            blind.step(Pose2::default(), late, &mut Discard),
+            Search::Over
+        );
     }
 
     #[test]

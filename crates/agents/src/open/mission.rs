@@ -24,7 +24,6 @@ use crate::open::senses::Senses;
 use crate::open::settings;
 use crate::open::sighting::Sighting;
 use crate::open::terrain::Terrain;
-use whereabouts::Guess;
 
 mod looking;
 mod whereabouts;
@@ -124,6 +123,17 @@ impl Next {
 struct Glance {
     time: SimTime,
     yaw: f64,
+}
+
+/// The pose to go on with if the robot is not found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Guess {
+    /// There is none.
+    Missing,
+    /// The start as it was given.
+    Given,
+    /// The same, and the robot goes on with it.
+    Taken,
 }
 
 /// What a glance on the way finds.

@@ -255,7 +255,14 @@ impl Mission {
             }
         }
         let unread = readings.iter().filter(|r| sighting::is_puzzling(r));
-        let locate = |r| sighting::locate(r, self.senses.perception(), pose, &self.robot.camera_intrinsics);
+        let locate = |r| {
+            sighting::locate(
+                r,
+                self.senses.perception(),
+                pose,
+                &self.robot.camera_intrinsics,
+            )
+        };
         Ok(unread.filter_map(locate).collect())
     }
 

@@ -11,18 +11,7 @@ use crate::open::locating::{Limit, Locating, Search};
 use crate::open::senses::Finding;
 use crate::open::terrain::Terrain;
 
-use super::{Mission, Stage, all, driver, unusable};
-
-/// The pose to go on with if the robot is not found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Guess {
-    /// There is none.
-    Missing,
-    /// The start as it was given.
-    Given,
-    /// The same, and the robot goes on with it.
-    Taken,
-}
+use super::{Guess, Mission, Stage, all, driver, unusable};
 
 impl Mission {
     /// Takes in what the sensors measured.
@@ -127,7 +116,9 @@ impl Mission {
         let route = task.and_then(|task| {
             let roads = self.driver.terrain().roads()?;
             let wall = self.wall_nearest(task.building, here);
-            let mut points = roads.route(here, wall).map_or(Vec::new(), |route| route.points);
+            let mut points = roads
+                .route(here, wall)
+                .map_or(Vec::new(), |route| route.points);
             points.push(wall);
             Some(points)
         });
