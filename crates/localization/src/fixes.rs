@@ -4,6 +4,7 @@ use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2};
 use openbench_core::{GnssFix, Observation, Pose2, SimTime};
 
 use crate::deviation::PoseDeviation;
+use crate::registration::BuildingOffset;
 use crate::track::Track;
 
 /// A measured pose in `map` at an instant.
@@ -42,6 +43,25 @@ pub trait FixSource {
     /// given: a map may be displaced.
     fn start_deviation(&self) -> Option<PoseDeviation> {
         None
+    }
+
+    /// Whether it finds a robot that may be anywhere within some metres, by fixes that do not depend
+    /// on where the robot is thought to be.
+    fn finds(&self) -> bool {
+        false
+    }
+
+    /// Whether the robot turned out not to be where it was thought to be, and was not found since.
+    fn is_lost(&self) -> bool {
+        false
+    }
+
+    /// Searches anew: the robot may have been carried away, or odometry lost its way.
+    fn lose(&mut self) {}
+
+    /// How far buildings are from where the map shows them.
+    fn building_offsets(&self) -> &[BuildingOffset] {
+        &[]
     }
 
     /// Takes in sensor data. `near` is the estimated pose of the robot, and `track` where it was

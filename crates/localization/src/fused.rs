@@ -12,6 +12,7 @@ use crate::deviation::PoseDeviation;
 use crate::fixes::{Fix, FixSource};
 use crate::graph::{FixCount, Pose as _, Window};
 use crate::history;
+use crate::registration::BuildingOffset;
 use crate::{LidarInertial, Localizer};
 
 /// A new pose comes into the graph after this distance, metres,
@@ -111,6 +112,20 @@ impl Fused {
             Some(_) => return,
         }
         self.key = Some(here);
+    }
+
+    /// Where a source can find the robot again, it is searched for as soon as that source or
+    /// odometry says that it is elsewhere.
+    fn notice_loss(&mut self) {
+        let is_found_again = self.sources.iter().any(|source| source.finds());
+        if !self.is_located || !is_found_again {
+            return;
+        }
+        if self.health() == Health::Lost {
+            self.sources.iter_mut().for_each(|source| source.lose());
+            self.is_located = false;
+        }
+        self.is_located &= !self.sources.iter().any(|source| source.is_lost());
     }
 
     /// Attaches a fix to the newest pose of the graph, by the motion between them, and solves the
@@ -242,6 +257,7 @@ impl Localizer for Fused {
             fixes.extend(source.update(observation, near, &self.odometry));
         }
         fixes.iter().for_each(|fix| self.apply(fix));
+        self.notice_loss();
         self.correct(seconds.min(MAX_INTERVAL_S));
     }
 
@@ -258,6 +274,10 @@ impl Localizer for Fused {
     }
 
     fn health(&self) -> Health {
+        if !self.is_located {
+            // The pose on the map is not known; of odometry it matters only whether it works.
+            return self.odometry.health_within(None);
+        }
         // Odometry's own covariance is that of all motion since the start; fixes may be better.
         let known = [self.odometry.covariance(), self.covariance()]
             .into_iter()
@@ -287,6 +307,11 @@ impl Localizer for Fused {
         // What is pending is a known error of the published pose. As an outer product it counts
         // like one standard deviation.
         Some(turn * own * turn.transpose() + pending * pending.transpose())
+    }
+
+    fn building_offsets(&self) -> &[BuildingOffset] {
+        let mut all = self.sources.iter().map(|source| source.building_offsets());
+        all.find(|offsets| !offsets.is_empty()).unwrap_or_default()
     }
 
     fn pending(&self) -> f64 {
@@ -374,7 +399,10 @@ fn pose(isometry: &Isometry2<f64>) -> Pose2 {
 
 #[cfg(test)]
 mod tests {
+    use openbench_core::MapPoint;
+
     use super::*;
+    use crate::Track;
 
     fn key(x: f64, deviation: f64) -> Key {
         let square = deviation * deviation;
@@ -400,5 +428,50 @@ mod tests {
         // A scan that fits again takes the uncertainty back. The motion from there is as uncertain.
         let out_of = certainty(key(1.0, 2.0), key(2.0, 0.1));
         assert!((out_of - 0.5).abs() < 0.01, "{out_of}");
+    }
+    /// A source that finds the robot, and lost it.
+    struct Finder;
+
+    impl FixSource for Finder {
+        fn name(&self) -> &str {
+            "finder"
+        }
+
+        fn reset(&mut self) {}
+
+        fn finds(&self) -> bool {
+            true
+        }
+
+        fn is_lost(&self) -> bool {
+            true
+        }
+
+        fn update(&mut self, _: &Observation<'_>, _: Pose2, _: &dyn Track) -> Option<Fix> {
+            None
+        }
+    }
+
+    #[test]
+    fn a_robot_that_is_lost_is_where_the_next_fix_says_at_once() {
+        let mut fused = Fused::new(RobotDescription::sentry(), vec![Box::new(Finder)]);
+        fused.reset(Pose2::new(3.0, 4.0, 0.0));
+        fused.key = Some(key(0.0, 0.1));
+        let fix = Fix {
+            stamp: SimTime::ZERO,
+            pose: Isometry2::new(Vector2::new(80.0, -20.0), 1.0),
+            information: Matrix3::from_diagonal(&[4.0, 4.0, 400.0].into()),
+            max_deviations: 4.0,
+        };
+        assert!(fused.is_located());
+        fused.notice_loss();
+        assert!(!fused.is_located());
+        assert!(fused.pose().point().distance(MapPoint::new(3.0, 4.0)) < 1e-9);
+        fused.apply(&fix);
+        assert!(fused.is_located());
+        let there = fused.estimated * isometry(key(0.0, 0.1).odom);
+        let fixed = fix.pose * isometry(key(0.0, 0.1).odom);
+        assert!((there.translation.vector - fixed.translation.vector).norm() < 1e-9);
+        assert_eq!(fused.pending(), 0.0);
     }
 }

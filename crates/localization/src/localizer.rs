@@ -3,6 +3,8 @@
 use nalgebra::Matrix3;
 use openbench_core::{Health, Observation, Pose2, SimTime};
 
+use crate::registration::BuildingOffset;
+
 /// Estimates the robot's pose from each observation in turn.
 ///
 /// Agents know only this trait, so that localizers can be exchanged.
@@ -17,6 +19,11 @@ pub trait Localizer {
     /// frame of their own, which becomes `map` with a jump once the robot is found.
     fn is_located(&self) -> bool {
         true
+    }
+
+    /// How far buildings are from where the map shows them, as far as it is known.
+    fn building_offsets(&self) -> &[BuildingOffset] {
+        &[]
     }
 
     /// Takes in sensor data.

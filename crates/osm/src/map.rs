@@ -3,7 +3,7 @@
 //! Heights and levels are left out, since a robot on the ground meets the outline, and so is
 //! everything below the ground. Parts of buildings (`building:part=*`) are areas.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{Georeference, MapPoint};
 
@@ -151,14 +151,30 @@ impl OsmMap {
         // In this order: doors look for their building among the outlines, and names include the
         // addresses of doors.
         map.add_areas(&shaper);
-        map.outlines = BoxTree::new(
-            map.buildings
-                .iter()
-                .map(|building| building.polygon.bounds()),
-        );
+        map.outlines = outlines(&map.buildings);
         map.add_lines(&shaper);
         map.add_entrances(&shaper);
         map.names = map.name_index();
+        map
+    }
+
+    /// The same with some buildings, and their entrances, so many metres further east and north.
+    /// Indices stay.
+    #[must_use]
+    pub fn with_buildings_moved(&self, shifts: &BTreeMap<usize, MapPoint>) -> Self {
+        let mut map = self.clone();
+        for (index, building) in map.buildings.iter_mut().enumerate() {
+            if let Some(shift) = shifts.get(&index) {
+                building.polygon = building.polygon.moved(*shift);
+            }
+        }
+        for entrance in &mut map.entrances {
+            if let Some(shift) = entrance.building.and_then(|index| shifts.get(&index)) {
+                let at = entrance.position;
+                entrance.position = MapPoint::new(at.x + shift.x, at.y + shift.y);
+            }
+        }
+        map.outlines = outlines(&map.buildings);
         map
     }
 
@@ -364,6 +380,11 @@ impl OsmMap {
     }
 }
 
+/// To find buildings by a place.
+fn outlines(buildings: &[Building]) -> BoxTree {
+    BoxTree::new(buildings.iter().map(|building| building.polygon.bounds()))
+}
+
 /// The full names in a door's address. Its own `name` is left out: it names the unit.
 fn street_addresses(tags: &Tags) -> Vec<String> {
     let mut address = tags.clone();
@@ -491,6 +512,18 @@ mod tests {
     fn court() -> OsmMap {
         let data = OsmData::from_xml(include_bytes!("../tests/fixtures/court.osm")).unwrap();
         OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)))
+    }
+
+    #[test]
+    fn a_moved_building_is_found_where_it_is_now() {
+        let map = court();
+        let at = map.buildings[0].polygon.centroid();
+        let far = MapPoint::new(at.x + 1000.0, at.y);
+        let moved = map.with_buildings_moved(&BTreeMap::from([(0, MapPoint::new(1000.0, 0.0))]));
+        assert_eq!(map.buildings_within(at, 0.0), [0]);
+        assert!(moved.buildings_within(at, 0.0).is_empty());
+        assert_eq!(moved.nearest_building(far), Some(0));
+        assert_eq!(moved.buildings[1], map.buildings[1]);
     }
 
     #[test]

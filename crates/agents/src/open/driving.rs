@@ -10,6 +10,7 @@ use openbench_motion::{
     Footprint, LocalPlanner, Navigation, Navigator, NavigatorError, NewPoints, Obstacle, RangeRing,
     ShapeError, Surroundings, Tracker,
 };
+use openbench_osm::OsmMap;
 
 use crate::open::terrain::Terrain;
 
@@ -139,6 +140,12 @@ impl Driver {
         self.terrain
             .near_mut()
             .observe_static(ring, |point| self.tracker.covers(point));
+    }
+
+    /// Takes a map on which some buildings are elsewhere.
+    pub fn set_map(&mut self, map: OsmMap) {
+        self.terrain.set_map(map);
+        self.window.take_ground(self.terrain.near());
     }
 
     /// Forgets all obstacles that were seen, after they were misplaced. The ground around the robot

@@ -1,7 +1,10 @@
 //! The agent's own copy of the map, into which it writes the doors that it finds.
 
+use std::collections::BTreeMap;
+
 use openbench_core::{Address, Event, Events, Georeference, MapPoint};
 use openbench_geometry::Polygon;
+use openbench_localization::registration::BuildingOffset;
 use openbench_osm::{OsmData, OsmMap, add_entrance, merge_entrances};
 
 use crate::open::sighting::Sighting;
@@ -11,11 +14,18 @@ const RECESS_M: f64 = 4.0;
 /// A written door is moved if it is seen at least this far away.
 const MOVED_M: f64 = 0.3;
 
+/// An outline is moved once it is this far from where it is known to be, metres.
+const DISPLACED_M: f64 = 0.3;
+
 /// The map as the agent knows it.
 #[derive(Debug)]
 pub struct Memory {
     data: OsmData,
     map: OsmMap,
+    /// From where the map shows buildings to where they are.
+    shifts: BTreeMap<usize, MapPoint>,
+    /// The map with the buildings where they are, if that is elsewhere.
+    corrected: Option<OsmMap>,
     georeference: Georeference,
     written: Vec<Sighting>,
 }
@@ -31,11 +41,41 @@ impl Memory {
             map: OsmMap::new(&data, georeference),
             data,
             georeference,
+            shifts: BTreeMap::new(),
+            corrected: None,
             written: Vec::new(),
         }
     }
 
-    /// The map in metres.
+    /// Takes over where buildings are. Whether [`Memory::ground`] changed by that.
+    pub fn correct(&mut self, offsets: &[BuildingOffset]) -> bool {
+        let mut is_changed = false;
+        for one in offsets {
+            let known = self.shifts.get(&one.building).copied().unwrap_or_default();
+            let shift = MapPoint::new(one.offset.x, one.offset.y);
+            if one.building < self.map.buildings.len() && shift.distance(known) > DISPLACED_M {
+                self.shifts.insert(one.building, shift);
+                is_changed = true;
+            }
+        }
+        if is_changed {
+            self.corrected = Some(self.map.with_buildings_moved(&self.shifts));
+        }
+        is_changed
+    }
+
+    /// Forgets where buildings are: they are where the map shows them.
+    pub fn forget_corrections(&mut self) {
+        self.shifts.clear();
+        self.corrected = None;
+    }
+
+    /// The map with the buildings where they are.
+    pub fn ground(&self) -> &OsmMap {
+        self.corrected.as_ref().unwrap_or(&self.map)
+    }
+
+    /// The map in metres, as others know it.
     pub fn map(&self) -> &OsmMap {
         &self.map
     }
@@ -60,7 +100,14 @@ impl Memory {
             .unwrap_or_else(|| building.element.to_string());
         let address = Address::new(name, sighting.unit.clone());
         let projection = self.map.projection.clone();
-        let at = doorway(sighting, &building.polygon);
+        // Others know the building where the map shows it, and the door on its outline.
+        let at = doorway(
+            sighting,
+            &self.ground().buildings[sighting.building].polygon,
+        );
+        let shift = self.shifts.get(&sighting.building).copied();
+        let shift = shift.unwrap_or_default();
+        let at = MapPoint::new(at.x - shift.x, at.y - shift.y);
         match add_entrance(&mut self.data, &projection, building.element, at, &address) {
             Ok(entrance) => {
                 // Only once the map took the new position, so an error leaves the written door as
@@ -69,6 +116,9 @@ impl Memory {
                 self.written.push(sighting.clone());
                 // Building indices stay: entrances add nodes, not buildings.
                 self.map = OsmMap::new(&self.data, self.georeference);
+                if self.corrected.is_some() {
+                    self.corrected = Some(self.map.with_buildings_moved(&self.shifts));
+                }
                 events.record(Event::DoorWritten {
                     address,
                     position: entrance.position,
@@ -90,4 +140,64 @@ fn doorway(sighting: &Sighting, outline: &Polygon) -> MapPoint {
         .into_iter()
         .find(|p| !inside || !outline.contains(*p))
         .unwrap_or(sighting.position)
+}
+
+#[cfg(test)]
+mod tests {
+    use openbench_core::LonLat;
+
+    use super::*;
+
+    /// A house of 20 m by 10 m with its lower left corner at the origin.
+    const MAP: &str = r#"<osm version="0.6">
+      <node id="1" lat="0.0" lon="0.0"/><node id="2" lat="0.0" lon="0.00018"/>
+      <node id="3" lat="0.00009" lon="0.00018"/><node id="4" lat="0.00009" lon="0.0"/>
+      <way id="5"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
+        <tag k="building" v="yes"/><tag k="name" v="House"/></way></osm>"#;
+
+    fn memory() -> Memory {
+        let data = OsmData::from_bytes(MAP.as_bytes()).unwrap();
+        let origin = Georeference::tangent_plane(LonLat::new(0.0, 0.0));
+        Memory::new(data, origin, None)
+    }
+
+    fn two_metres_south() -> [BuildingOffset; 1] {
+        [BuildingOffset {
+            building: 0,
+            offset: nalgebra::Vector2::new(0.0, -2.0),
+        }]
+    }
+
+    #[test]
+    fn an_outline_is_where_the_building_is_until_that_is_forgotten() {
+        let mut memory = memory();
+        let before = MapPoint::new(10.0, -1.0);
+        assert!(!memory.ground().buildings[0].polygon.contains(before));
+        assert!(memory.correct(&two_metres_south()));
+        assert!(!memory.correct(&two_metres_south()), "it is known");
+        assert!(memory.ground().buildings[0].polygon.contains(before));
+        assert!(!memory.map().buildings[0].polygon.contains(before));
+        memory.forget_corrections();
+        assert!(!memory.ground().buildings[0].polygon.contains(before));
+    }
+
+    #[test]
+    fn a_door_is_written_onto_the_outline_that_others_know() {
+        let mut memory = memory();
+        memory.correct(&two_metres_south());
+        let door = Sighting {
+            unit: "unit1".into(),
+            building: 0,
+            position: MapPoint::new(5.0, -2.1),
+            facing: -std::f64::consts::FRAC_PI_2,
+            confidence: 0.9,
+        };
+        memory.write(&door, &mut Vec::new());
+        let [on_map] = &memory.map().entrances[..] else {
+            panic!("one door")
+        };
+        assert!(on_map.position.distance(MapPoint::new(5.0, 0.0)) < 0.2);
+        let there = memory.ground().entrances[0].position;
+        assert!(there.distance(MapPoint::new(5.0, -2.0)) < 0.2, "{there}");
+    }
 }

@@ -392,7 +392,7 @@ impl Mission {
         if let Some(problem) = &delivery.problem {
             return Err(one(address, unknown, problem.clone()));
         }
-        let map = self.memory.map();
+        let map = self.memory.ground();
         let (building, entrance) = match locate(map, &address) {
             Location::Unit { entrance, building } => {
                 (building, Some(map.entrances[entrance].position))
@@ -412,7 +412,7 @@ impl Mission {
 
     /// The point of a building's outline that is nearest to a place.
     fn wall_nearest(&self, building: usize, place: MapPoint) -> MapPoint {
-        let polygon = &self.memory.map().buildings[building].polygon;
+        let polygon = &self.memory.ground().buildings[building].polygon;
         polygon.nearest_boundary_point(place).point
     }
 
@@ -564,8 +564,12 @@ impl Mission {
                 return self.not_found(task, here);
             };
             task.round += 1;
-            task.waypoints =
-                exploration::waypoints(self.memory.map(), task.building, standoff, self.sees_from);
+            task.waypoints = exploration::waypoints(
+                self.memory.ground(),
+                task.building,
+                standoff,
+                self.sees_from,
+            );
             let places = task
                 .waypoints
                 .iter()

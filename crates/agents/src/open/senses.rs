@@ -4,6 +4,7 @@ use openbench_core::{
     Event, Events, Health, Observation, Pose2, PoseEstimate, RobotDescription, Work,
 };
 use openbench_localization::Localizer;
+use openbench_localization::registration::BuildingOffset;
 use openbench_motion::RangeRing;
 
 use crate::open::perception::Perception;
@@ -100,6 +101,11 @@ impl Senses {
     /// The newest pose: on the map if [`Senses::is_located`].
     pub fn pose(&self) -> Pose2 {
         self.localizer.pose()
+    }
+
+    /// How far buildings are from where the map shows them, as far as it is known.
+    pub fn building_offsets(&self) -> &[BuildingOffset] {
+        self.localizer.building_offsets()
     }
 
     /// How far the pose can be trusted.

@@ -100,6 +100,14 @@ impl Terrain {
         self.corridor = None;
     }
 
+    /// Takes a map on which some buildings are elsewhere. What was seen is kept.
+    pub fn set_map(&mut self, map: OsmMap) {
+        self.map = map;
+        let middle = self.near.grid().middle();
+        self.near.cover(&self.map, middle, HALF_WIDTH_M);
+        self.corridor = None;
+    }
+
     /// The map's roads.
     pub fn roads(&self) -> Option<&MapRouter> {
         self.roads.as_ref()
@@ -136,9 +144,7 @@ impl Terrain {
 
     /// Moves the fine costmap along with the robot.
     pub fn follow(&mut self, here: MapPoint) {
-        let grid = self.near.grid();
-        let middle = grid.origin.x + 0.5 * grid.width as f64 * grid.cell;
-        let middle = MapPoint::new(middle, grid.origin.y + 0.5 * grid.height as f64 * grid.cell);
+        let middle = self.near.grid().middle();
         // A pose that is no number moves nothing.
         let off = (here.x - middle.x).abs().max((here.y - middle.y).abs());
         if off.is_finite() && off > SLACK_M {

@@ -54,6 +54,14 @@ impl GridGeometry {
         }
     }
 
+    /// The middle of the grid.
+    pub fn middle(&self) -> MapPoint {
+        MapPoint::new(
+            self.origin.x + 0.5 * self.width as f64 * self.cell,
+            self.origin.y + 0.5 * self.height as f64 * self.cell,
+        )
+    }
+
     /// Number of cells.
     pub fn len(&self) -> usize {
         self.width * self.height

@@ -44,6 +44,21 @@ impl Polygon {
         })
     }
 
+    /// The same so many metres further east and north.
+    #[must_use]
+    pub fn moved(&self, by: MapPoint) -> Self {
+        let moved = |ring: &Vec<MapPoint>| {
+            let corners = ring.iter();
+            corners
+                .map(|at| MapPoint::new(at.x + by.x, at.y + by.y))
+                .collect()
+        };
+        Self {
+            outer: moved(&self.outer),
+            holes: self.holes.iter().map(moved).collect(),
+        }
+    }
+
     /// The outer ring, then the holes.
     #[inline]
     pub fn rings(&self) -> impl Iterator<Item = &[MapPoint]> {

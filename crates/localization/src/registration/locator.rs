@@ -38,6 +38,9 @@ const SAME_RAD: f64 = 0.1;
 /// this difference says. In a street of parallel facades that holds along all of it, so that it
 /// says whether a known pose is still right, and not which one is.
 const EXPLAINED: f64 = 0.35;
+/// Where the map shows walls in fewer directions, what is seen neither confirms a pose nor
+/// contradicts it.
+const IN_SIGHT: f64 = 0.1;
 /// Once the robot is localized, so many poses in turn that explain too little, or are elsewhere,
 /// say that it is not.
 const DOUBTS: usize = 3;
@@ -97,6 +100,8 @@ pub struct Locator {
     /// The accepted pose by all fixes so far; `None` if the robot is not localized.
     estimate: Option<Estimate>,
     doubts: usize,
+    /// Whether the robot turned out to be elsewhere, and was not found since.
+    is_lost: bool,
 }
 
 impl Locator {
@@ -118,6 +123,7 @@ impl Locator {
             decides: true,
             estimate: None,
             doubts: 0,
+            is_lost: false,
         }
     }
 
@@ -142,6 +148,19 @@ impl Locator {
     /// Whether a pose is accepted.
     pub fn is_located(&self) -> bool {
         self.estimate.is_some()
+    }
+
+    /// Whether the robot turned out not to be where it was thought to be, and was not found since.
+    pub fn is_lost(&self) -> bool {
+        self.is_lost
+    }
+
+    /// Searches anew, after the robot may have been carried away.
+    pub fn lose(&mut self) {
+        match self.estimate.take() {
+            Some(known) => self.give_up(&known),
+            None => self.forget_way(),
+        }
     }
 
     /// The accepted pose by all fixes so far, where the robot was last.
@@ -239,6 +258,7 @@ impl Locator {
             pose: estimate.pose,
             information: estimate.covariance().try_inverse()?,
         };
+        self.is_lost = false;
         self.keep(estimate);
         Some(measured)
     }
@@ -269,7 +289,9 @@ impl Locator {
 
     /// A pose that was not confirmed is kept a few times.
     fn doubt(&mut self, known: Estimate) {
-        self.doubts += 1;
+        let best = self.bank.first().map(|best| &best.located.candidate);
+        let is_in_sight = best.is_some_and(|best| best.explained.towards >= IN_SIGHT);
+        self.doubts += usize::from(is_in_sight);
         if self.doubts < DOUBTS {
             self.keep(known);
         } else {
@@ -291,15 +313,20 @@ impl Locator {
 
     /// Begins anew near where the robot was thought to be.
     fn give_up(&mut self, known: &Estimate) {
-        self.doubts = 0;
-        self.bank.clear();
-        // If the robot was carried, odometry does not know where the stretches before are.
-        self.way.clear();
+        self.is_lost = true;
+        self.forget_way();
         self.prior = Prior::new(&Start::Area {
             centre: known.pose.point(),
             radius_m: LOST_M,
         });
         self.since = Some(known.here);
+    }
+
+    /// If the robot was carried, odometry does not know where the stretches before are.
+    fn forget_way(&mut self) {
+        self.doubts = 0;
+        self.bank.clear();
+        self.way.clear();
     }
 }
 
@@ -416,7 +443,8 @@ mod tests {
         let mut noticed = false;
         for stretch in stretches {
             locator.take(stretch);
-            noticed |= !locator.is_located();
+            assert_eq!(locator.is_lost(), !locator.is_located());
+            noticed |= locator.is_lost();
         }
         assert!(noticed);
     }

@@ -78,6 +78,7 @@ pub mod vote;
 
 pub use chart::Chart;
 pub use columns::Facade;
+pub use estimate::BuildingOffset;
 pub use registrar::Registrar;
 pub use stretch::{Gatherer, Stretch};
 pub use submap::Submap;

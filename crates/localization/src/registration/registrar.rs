@@ -7,7 +7,7 @@ use nalgebra::{Isometry2, Matrix3, Rotation3, Vector3};
 use openbench_core::{LidarScan, Observation, Pose2, Pose3, Start};
 use openbench_osm::OsmMap;
 
-use super::estimate::Measured;
+use super::estimate::{BuildingOffset, Measured};
 use super::locator::Locator;
 use super::prior::Prior;
 use super::stretch::{FIRST_SCANS, Gatherer};
@@ -68,6 +68,24 @@ impl FixSource for Registrar {
 
     fn start_deviation(&self) -> Option<PoseDeviation> {
         Prior::new(&self.start).map(|prior| prior.deviation())
+    }
+
+    fn finds(&self) -> bool {
+        true
+    }
+
+    fn is_lost(&self) -> bool {
+        self.locator.is_lost()
+    }
+
+    fn lose(&mut self) {
+        self.locator.lose();
+        (self.gatherer, self.scans) = (Gatherer::new(self.lidar), 0);
+    }
+
+    fn building_offsets(&self) -> &[BuildingOffset] {
+        let estimate = self.locator.estimate();
+        estimate.map_or(&[], |estimate| estimate.offsets())
     }
 
     fn update(

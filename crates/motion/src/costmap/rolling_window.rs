@@ -64,8 +64,8 @@ impl RollingWindow {
         self.take_ground(whole);
     }
 
-    /// Copies the layer of the map.
-    fn take_ground(&mut self, whole: &Costmap) {
+    /// Takes over the layer of the map, after it has changed. What was seen is kept.
+    pub fn take_ground(&mut self, whole: &Costmap) {
         // Kinds of ground are left out: by `Preferences::NONE` they all cost the same.
         for cell in 0..self.costmap.grid.len() {
             let from = whole.grid.cell_at(self.costmap.grid.center(cell));

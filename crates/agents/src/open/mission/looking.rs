@@ -102,7 +102,7 @@ impl Mission {
         }
         self.uncertain_plates.push(position);
         let here = self.senses.pose().point();
-        let map = self.memory.map();
+        let map = self.memory.ground();
         Some(exploration::nearer_to_plate(
             map,
             position,
@@ -174,7 +174,7 @@ impl Mission {
 
     /// Whether the camera faces a building from near enough to read its plates.
     fn faces(&self, building: usize) -> bool {
-        let (map, pose) = (self.memory.map(), self.senses.pose());
+        let (map, pose) = (self.memory.ground(), self.senses.pose());
         if map.distance_to_building(building, pose.point()) > GLANCE_DISTANCE_M {
             return false;
         }
@@ -202,7 +202,7 @@ impl Mission {
             if self.unreadable.iter().any(known) || self.seen.iter().any(|s| known(&s.position)) {
                 continue;
             }
-            let map = self.memory.map();
+            let map = self.memory.ground();
             let its = map.nearest_building(plate) == Some(task.building)
                 && map.distance_to_building(task.building, plate) <= sighting::OFF_BUILDING_M;
             if its && self.unreadable.len() < MOST_UNREADABLE {
@@ -246,7 +246,7 @@ impl Mission {
                 position: located.map(|at| at.position),
                 image: image.clone(),
             });
-            if let Some(seen) = sighting::recognise(reading, located, self.memory.map()) {
+            if let Some(seen) = sighting::recognise(reading, located, self.memory.ground()) {
                 // Before the test, which sums over all sightings of the plate, this one included.
                 self.seen.push(seen.clone());
                 if sighting::is_trusted(&seen, &self.seen) {

@@ -38,6 +38,9 @@ impl Mission {
                 events.record(Event::PoseEstimate(self.senses.estimate()));
             }
         }
+        if self.memory.correct(self.senses.building_offsets()) {
+            self.driver.set_map(self.memory.ground().clone());
+        }
         self.senses.announce(events);
     }
 
@@ -66,6 +69,8 @@ impl Mission {
 
     /// Forgets what was seen elsewhere, and sets out again from here.
     fn begin_anew(&mut self) {
+        self.memory.forget_corrections();
+        self.driver.set_map(self.memory.ground().clone());
         self.driver.forget_seen(self.senses.pose().point());
         self.seen.clear();
         if let Some(task) = &mut self.task {
