@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 pub enum Work {
     /// A LiDAR scan is registered, for odometry.
     Registration,
+    /// What was seen on some metres is registered to the public map.
+    MapRegistration,
     /// A LiDAR scan enters the costmaps.
     Mapping,
     /// A path to a goal is searched.
@@ -26,8 +28,9 @@ pub enum Work {
 
 impl Work {
     /// All kinds.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Registration,
+        Self::MapRegistration,
         Self::Mapping,
         Self::PathSearch,
         Self::LocalPlan,
@@ -38,6 +41,7 @@ impl Work {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Registration => "registration",
+            Self::MapRegistration => "map_registration",
             Self::Mapping => "mapping",
             Self::PathSearch => "path_search",
             Self::LocalPlan => "local_plan",

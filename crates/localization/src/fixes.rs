@@ -45,8 +45,7 @@ pub trait FixSource {
         None
     }
 
-    /// Whether it finds a robot that may be anywhere within some metres, by fixes that do not depend
-    /// on where the robot is thought to be.
+    /// Whether it finds a robot by fixes that do not depend on where it is thought to be.
     fn finds(&self) -> bool {
         false
     }
@@ -58,6 +57,11 @@ pub trait FixSource {
 
     /// Searches anew: the robot may have been carried away, or odometry lost its way.
     fn lose(&mut self) {}
+
+    /// How often it compared what was seen with a map.
+    fn map_registrations(&self) -> u64 {
+        0
+    }
 
     /// How far buildings are from where the map shows them.
     fn building_offsets(&self) -> &[BuildingOffset] {

@@ -309,6 +309,11 @@ impl Localizer for Fused {
         Some(turn * own * turn.transpose() + pending * pending.transpose())
     }
 
+    fn map_registrations(&self) -> u64 {
+        let all = self.sources.iter().map(|source| source.map_registrations());
+        all.sum()
+    }
+
     fn building_offsets(&self) -> &[BuildingOffset] {
         let mut all = self.sources.iter().map(|source| source.building_offsets());
         all.find(|offsets| !offsets.is_empty()).unwrap_or_default()

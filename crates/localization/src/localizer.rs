@@ -57,6 +57,11 @@ pub trait Localizer {
         true
     }
 
+    /// How often it compared what was seen with a map since it began.
+    fn map_registrations(&self) -> u64 {
+        0
+    }
+
     /// Covariance of the newest pose as of the last scan: x and y in `map`, then yaw; m² and rad².
     /// `None` if the localizer estimates none.
     fn covariance(&self) -> Option<Matrix3<f64>> {

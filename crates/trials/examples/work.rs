@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use cpu_time::ProcessTime;
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix5, Vector5};
 use openbench_agents::Open;
 use openbench_agents::open::{Catalogue, Models, Settings};
 use openbench_bench::run::run_episode;
@@ -27,10 +27,11 @@ use openbench_core::{
 };
 
 /// What can be told apart.
-const UNKNOWNS: [&str; 4] = [
+const UNKNOWNS: [&str; 5] = [
     "scan: registration and mapping",
     "path search",
     "reading",
+    "registration to the map",
     "decision: local plan and the rest",
 ];
 
@@ -40,6 +41,7 @@ fn place(work: Work) -> Option<usize> {
         Work::Registration => Some(0),
         Work::PathSearch => Some(1),
         Work::Reading => Some(2),
+        Work::MapRegistration => Some(3),
         Work::Mapping | Work::LocalPlan => None,
     }
 }
@@ -68,15 +70,15 @@ struct Timed<'a> {
 /// The normal equations of the least squares problem.
 #[derive(Default)]
 struct Sums {
-    matrix: Matrix4<f64>,
-    right: Vector4<f64>,
+    matrix: Matrix5<f64>,
+    right: Vector5<f64>,
     counts: [u32; UNKNOWNS.len()],
     seconds: f64,
 }
 
 impl Sums {
     fn add(&mut self, events: &[Event], seconds: f64) {
-        let mut row = Vector4::new(0.0, 0.0, 0.0, 1.0);
+        let mut row = Vector5::new(0.0, 0.0, 0.0, 0.0, 1.0);
         self.counts[UNKNOWNS.len() - 1] += 1;
         for event in events {
             if let Event::Work(work) = event

@@ -205,7 +205,7 @@ impl Catalogue {
         let part = self.localizers.get(name);
         let part = part.map_err(|source| unknown_part("localizer", name, source))?;
         match (part.clone(), fixes) {
-            (LocalizerPart::WithoutFixes(make), None) => {
+            (LocalizerPart::WithoutFixes(make), None | Some(settings::NO_FIXES)) => {
                 Ok(Box::new(move |situation| make(situation.robot)))
             }
             (LocalizerPart::WithoutFixes(_), Some(fixes)) => Err(SettingsError::TakesNoFixes {
@@ -213,7 +213,7 @@ impl Catalogue {
                 localizer: name.to_owned(),
             }),
             (LocalizerPart::WithFixes(make), fixes) => {
-                let fixes = self.sources(fixes.unwrap_or(settings::NO_FIXES))?;
+                let fixes = self.sources(fixes.unwrap_or(settings::DEFAULT_FIXES))?;
                 Ok(Box::new(move |situation| {
                     make(situation.robot, fixes(situation))
                 }))
@@ -313,6 +313,9 @@ mod tests {
         let Err(error) = catalogue.localizer("dead-reckoning", Some("gnss")) else {
             panic!("accepted")
         };
+        for none in [None, Some("none")] {
+            assert!(catalogue.localizer("dead-reckoning", none).is_ok());
+        }
         assert!(
             matches!(error, SettingsError::TakesNoFixes { .. }),
             "{error}"

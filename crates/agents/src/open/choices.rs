@@ -3,7 +3,7 @@
 use openbench_models::spec::FORMS;
 
 use super::catalogue::Catalogue;
-use super::settings::{GRAMMAR, NO_FIXES, Settings};
+use super::settings::{DEFAULT_FIXES, GRAMMAR, Settings};
 
 /// What stands for the name of a chat or vision model, of one of the forms [`FORMS`].
 pub const MODEL: &str = "MODEL";
@@ -37,7 +37,7 @@ impl Catalogue {
     /// ```
     pub fn choices(&self) -> Vec<Choices> {
         let default = Settings::default();
-        let no_fixes = default.fixes.as_deref().unwrap_or(NO_FIXES);
+        let fixes = default.fixes.as_deref().unwrap_or(DEFAULT_FIXES);
         vec![
             Choices {
                 key: "planner",
@@ -64,7 +64,7 @@ impl Catalogue {
                 key: "fixes",
                 about: "measures positions, for localizers that take them",
                 values: owned(self.fixes.names()),
-                default: no_fixes.to_owned(),
+                default: fixes.to_owned(),
                 replaced: owned(self.fixes.replaced()),
             },
             Choices {

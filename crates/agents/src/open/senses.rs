@@ -30,6 +30,8 @@ pub struct Senses {
     correcting: bool,
     /// Whether the localizer knew where the robot is on the map.
     is_located: bool,
+    /// How many registrations to the map were reported.
+    map_registrations: u64,
 }
 
 impl Senses {
@@ -39,6 +41,7 @@ impl Senses {
             perception: Perception::new(robot.clone()),
             correcting: false,
             is_located: localizer.is_located(),
+            map_registrations: 0,
             robot,
             localizer,
         }
@@ -53,6 +56,11 @@ impl Senses {
     ) -> (Option<RangeRing>, Option<Finding>) {
         let before = self.localizer.pose();
         self.localizer.update(observation);
+        let registrations = self.localizer.map_registrations();
+        for _ in self.map_registrations..registrations {
+            events.record(Event::Work(Work::MapRegistration));
+        }
+        self.map_registrations = registrations;
         let finding = self.finding(before);
         let Some(scan) = observation.scan else {
             return (None, finding);

@@ -26,7 +26,9 @@ pub(super) const KEYS: [&str; 8] = [
 pub const GRAMMAR: &str = "grammar";
 /// The plate reader by default.
 pub const DEFAULT_READER: &str = "ppocr-v4";
-/// The source of fixes by default.
+/// The source of fixes by default, of a localizer that takes some.
+pub const DEFAULT_FIXES: &str = NO_FIXES;
+/// The source that gives no fixes. Every localizer takes it.
 pub const NO_FIXES: &str = "none";
 
 /// What OPEN is made of. Each field is a key of `--set`.
@@ -54,7 +56,7 @@ pub struct Settings {
     /// `localizer`: a name of [`Catalogue::localizers`](super::Catalogue::localizers).
     pub localizer: String,
     /// `fixes`: a name of [`Catalogue::fixes`](super::Catalogue::fixes), with its argument after a
-    /// colon; by default none.
+    /// colon; by default `none`.
     pub fixes: Option<String>,
     /// `motion`: a name of [`Catalogue::local_planners`](super::Catalogue::local_planners).
     pub motion: String,
@@ -161,7 +163,7 @@ impl Settings {
             "planner" => self.planner = value.to_owned(),
             "reader" => self.reader = value.to_owned(),
             "localizer" => self.localizer = value.to_owned(),
-            "fixes" => self.fixes = Some(value.to_owned()).filter(|name| name != NO_FIXES),
+            "fixes" => self.fixes = Some(value.to_owned()),
             "motion" => self.motion = value.to_owned(),
             "ground" => self.ground = ground(value)?,
             "budget" => self.budget = budget(value)?,

@@ -31,6 +31,7 @@ pub struct Registrar {
     gatherer: Gatherer,
     /// Scans before the first look.
     scans: u16,
+    registrations: u64,
 }
 
 impl Registrar {
@@ -40,6 +41,7 @@ impl Registrar {
             locator: Locator::new(Arc::clone(&map), &start),
             gatherer: Gatherer::new(lidar),
             scans: 0,
+            registrations: 0,
             map,
             start,
             lidar,
@@ -50,8 +52,14 @@ impl Registrar {
         let ended = self.gatherer.take(scan, track);
         self.scans = self.scans.saturating_add(1);
         match ended {
-            Some(stretch) => self.locator.take(stretch),
-            None if self.scans == FIRST_SCANS => self.locator.look(&self.gatherer.unfinished()?),
+            Some(stretch) => {
+                self.registrations += 1;
+                self.locator.take(stretch)
+            }
+            None if self.scans == FIRST_SCANS => {
+                self.registrations += 1;
+                self.locator.look(&self.gatherer.unfinished()?)
+            }
             None => None,
         }
     }
@@ -81,6 +89,10 @@ impl FixSource for Registrar {
     fn lose(&mut self) {
         self.locator.lose();
         (self.gatherer, self.scans) = (Gatherer::new(self.lidar), 0);
+    }
+
+    fn map_registrations(&self) -> u64 {
+        self.registrations
     }
 
     fn building_offsets(&self) -> &[BuildingOffset] {
