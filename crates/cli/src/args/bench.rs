@@ -48,7 +48,8 @@ without an accepted pose counts as a miss. Shares are fractions of 1 in JSON.
 Examples:
   openbench bench localization medium --start 10m --level good --poses 20 --jobs 2
   openbench bench localization medium-7 medium-8 --start block --level city --drives drives
-  openbench bench localization krems --start off --beside heidelberg --json")]
+  openbench bench localization krems --start off --beside heidelberg --json
+  openbench bench localization medium --poses 50 --peers")]
 pub struct BenchLocalizationArgs {
     /// Built-in worlds (small, medium-7, krems), suite files (.toml), or world folders
     #[arg(required_unless_present = "world", conflicts_with = "world")]
@@ -75,6 +76,9 @@ pub struct BenchLocalizationArgs {
     /// Folder in which recorded drives are kept, and from which they are read if they are there
     #[arg(long, value_name = "FOLDER")]
     pub drives: Option<PathBuf>,
+    /// Also localize by odometry alone, by ICP and by a particle filter, on the same drives
+    #[arg(long, conflicts_with = "examples")]
+    pub peers: bool,
     /// Only write all candidate poses with their errors, one in a line, to fit probabilities to
     #[arg(long, value_name = "FILE.jsonl")]
     pub examples: Option<PathBuf>,

@@ -13,6 +13,7 @@ use openbench_osm::write_atomically;
 use openbench_trials::localization::cases::{Known, cases};
 use openbench_trials::localization::drives::{Drive, record};
 use openbench_trials::localization::examples::examples;
+use openbench_trials::localization::peers::{PeerKind, peer_trials};
 use openbench_trials::localization::report::Report;
 use openbench_trials::localization::trial::trials;
 use serde::Serialize;
@@ -34,6 +35,9 @@ struct Found {
     all: Report,
     /// On each of them.
     worlds: BTreeMap<String, Report>,
+    /// What other ways find on all worlds together, if they were asked for.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    peers: BTreeMap<&'static str, Report>,
 }
 
 /// Localizes a robot on drives through worlds.
@@ -52,6 +56,7 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
     let threads = usize::from(args.jobs);
     let mut worlds = BTreeMap::new();
     let mut all = Vec::new();
+    let mut of_peers = BTreeMap::new();
     let mut lines = String::new();
     for (name, suite) in suites {
         let prepared = Prepared::world_of(suite)?;
@@ -68,6 +73,10 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
             let moments = trials(&prepared, &cases, threads);
             worlds.insert(name, Report::of(&moments, is_on_map));
             all.extend(moments);
+            for peer in PeerKind::ALL.into_iter().filter(|_| args.peers) {
+                let known: &mut Vec<_> = of_peers.entry(peer.name()).or_default();
+                known.extend(peer_trials(peer, &cases, threads));
+            }
         }
         bar.inc(1);
     }
@@ -82,6 +91,10 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
         seed: args.seed,
         all: Report::of(&all, is_on_map),
         worlds,
+        peers: of_peers
+            .into_iter()
+            .map(|(name, moments)| (name, Report::of(&moments, is_on_map)))
+            .collect(),
     };
     if args.json {
         say_json(&found)?;
@@ -202,6 +215,9 @@ fn table(found: &Found) -> String {
         text.push_str(&row(name, report));
     }
     text.push_str(&row("all", &found.all));
+    for (name, report) in &found.peers {
+        text.push_str(&row(&format!("by {name}"), report));
+    }
     text.push_str(
         "\nRates in percent. 1 m: within 1 m after 40 m. Wrong: accepted fixes off by more than 5 m.
 Inside 95: fixes inside their ellipsoid of 95 %. Wall: distance to the nearest wall right within

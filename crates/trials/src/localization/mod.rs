@@ -5,11 +5,13 @@
 //! | [`drives`] | what a robot sees on its way, recorded once |
 //! | [`cases`] | maps with errors, and what is known about the start |
 //! | [`examples`] | candidates with the truth, to fit their probabilities |
+//! | [`peers`] | other ways to find out where the robot is |
 //! | [`report`] | what trials found, in numbers |
 //! | [`trial`] | what a locator finds on a drive |
 
 pub mod cases;
 pub mod drives;
 pub mod examples;
+pub mod peers;
 pub mod report;
 pub mod trial;

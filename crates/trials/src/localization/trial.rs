@@ -99,7 +99,7 @@ fn trial(truth_map: &OsmMap, case: &Case<'_>) -> Vec<Moment> {
 
 impl PoseErrors {
     /// Of a pose on a map of another place.
-    const ELSEWHERE: Self = Self {
+    pub(super) const ELSEWHERE: Self = Self {
         metres: f64::INFINITY,
         radians: f64::INFINITY,
     };

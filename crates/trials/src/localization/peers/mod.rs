@@ -1,0 +1,240 @@
+//! Other ways to find out where the robot is, for comparison. Each gets the same stretches, map and
+//! start as the locator, and always says some pose.
+//!
+//! | module | the way |
+//! |---|---|
+//! | `odometry` | the start as it is given, carried on by odometry |
+//! | `icp` | points of facades aligned with outlines, from the start on |
+//! | `particles` | Monte Carlo localization with a likelihood field, as in AMCL |
+//!
+//! Their constants are first values from the literature and were not tuned.
+
+mod icp;
+mod odometry;
+mod particles;
+
+use std::convert::Infallible;
+use std::time::Instant;
+
+use openbench_bench::run::threads;
+use openbench_core::{MapPoint, Pose2, Start};
+use openbench_geometry::{Bounds, Segment};
+use openbench_localization::registration::Stretch;
+use openbench_osm::OsmMap;
+
+use self::icp::Icp;
+use self::odometry::Odometry;
+use self::particles::Particles;
+use super::cases::Case;
+use super::trial::{Moment, PoseErrors, pose_errors};
+
+/// A way to find out where the robot is.
+trait Peer {
+    /// Takes in what the robot saw, and says its pose at the end.
+    fn take(&mut self, stretch: &Stretch) -> Pose2;
+}
+
+/// The ways that there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PeerKind {
+    /// The start, carried on by odometry.
+    Odometry,
+    /// Points aligned with outlines.
+    Icp,
+    /// Monte Carlo localization.
+    Particles,
+}
+
+impl PeerKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Odometry, Self::Icp, Self::Particles];
+
+    /// As in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Odometry => "odometry",
+            Self::Icp => "icp",
+            Self::Particles => "particles",
+        }
+    }
+
+    fn begin(self, map: &OsmMap, start: &Start, seed: u64) -> Box<dyn Peer> {
+        match self {
+            Self::Odometry => Box::new(Odometry::new(guess(map, start))),
+            Self::Icp => Box::new(Icp::new(map, start)),
+            Self::Particles => Box::new(Particles::new(map, start, seed)),
+        }
+    }
+}
+
+/// Localizes the robot on the drives of all cases in this way.
+pub fn peer_trials(kind: PeerKind, cases: &[Case<'_>], threads: usize) -> Vec<Vec<Moment>> {
+    let one = |i: usize| Ok::<_, Infallible>(trial(kind, &cases[i], i as u64));
+    let moments = threads::each(0..cases.len(), threads, one, Ok::<_, Infallible>);
+    moments.unwrap_or_else(|never| match never {})
+}
+
+fn trial(kind: PeerKind, case: &Case<'_>, seed: u64) -> Vec<Moment> {
+    let mut peer = kind.begin(&case.map.map, &case.start, seed);
+    let mut moments = Vec::new();
+    for shown in case.drive.shown() {
+        let began = Instant::now();
+        let pose = peer.take(&shown.seen.stretch);
+        let ms = began.elapsed().as_secs_f64() * 1e3;
+        let truth = case.on_map(shown.seen.truth);
+        let error = truth.map_or(PoseErrors::ELSEWHERE, |truth| pose_errors(pose, truth));
+        moments.push(Moment {
+            metres: shown.metres,
+            error: Some(error),
+            fix: None,
+            was_located: !shown.is_first,
+            ms,
+        });
+    }
+    moments
+}
+
+/// The most likely start: without a pose the middle of what is known, heading east.
+fn guess(map: &OsmMap, start: &Start) -> Pose2 {
+    start.pose().unwrap_or_else(|| {
+        let middle = start.about().or_else(|| Some(bounds(map)?.middle()));
+        let middle = middle.unwrap_or_default();
+        Pose2::new(middle.x, middle.y, 0.0)
+    })
+}
+
+/// The box around all buildings; `None` if there are none.
+fn bounds(map: &OsmMap) -> Option<Bounds> {
+    let boxes = map.buildings.iter().map(|one| one.polygon.bounds());
+    boxes.reduce(Bounds::union)
+}
+
+/// The walls of all buildings.
+fn walls(map: &OsmMap) -> Vec<Segment> {
+    let sides = map.buildings.iter().flat_map(|one| one.polygon.sides());
+    sides.collect()
+}
+
+/// The motion from one pose to another, in the frame of the first.
+fn motion(from: Pose2, to: Pose2) -> Pose2 {
+    let (dx, dy) = (to.x - from.x, to.y - from.y);
+    let (sine, cosine) = libm::sincos(from.yaw);
+    Pose2::new(
+        cosine * dx + sine * dy,
+        -sine * dx + cosine * dy,
+        to.yaw - from.yaw,
+    )
+}
+
+/// A point of the frame of odometry in the frame of the robot.
+fn seen_from(robot: Pose2, point: MapPoint) -> MapPoint {
+    let there = motion(robot, Pose2::new(point.x, point.y, robot.yaw));
+    MapPoint::new(there.x, there.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use openbench_core::Georeference;
+    use openbench_localization::registration::Facade;
+    use openbench_osm::OsmData;
+
+    use super::*;
+
+    /// An L of two houses, 20 m by 10 m and 10 m by 20 m, south of the equator's origin.
+    fn map() -> OsmMap {
+        let node = |id: u32, x: f64, y: f64| {
+            let degrees = |metres: f64| metres / 111_319.49;
+            let (lat, lon) = (degrees(y), degrees(x));
+            format!(r#"<node id="{id}" lat="{lat:.9}" lon="{lon:.9}"/>"#)
+        };
+        let house = |id: u32, x: f64, y: f64, width: f64, depth: f64| {
+            let corners = [
+                (x, y),
+                (x + width, y),
+                (x + width, y + depth),
+                (x, y + depth),
+            ];
+            let nodes = (id..).zip(corners).map(|(id, (x, y))| node(id, x, y));
+            let refs = (id..id + 4)
+                .chain([id])
+                .map(|id| format!(r#"<nd ref="{id}"/>"#));
+            format!(
+                r#"{}<way id="{id}">{}<tag k="building" v="yes"/></way>"#,
+                nodes.collect::<String>(),
+                refs.collect::<String>()
+            )
+        };
+        let houses = house(10, 0.0, 10.0, 20.0, 10.0) + &house(20, 30.0, -10.0, 10.0, 17.0);
+        let xml = format!(r#"<osm version="0.6">{houses}</osm>"#);
+        let data = OsmData::from_xml(xml.as_bytes()).unwrap();
+        let origin = openbench_core::LonLat::new(0.0, 0.0);
+        OsmMap::new(&data, Georeference::tangent_plane(origin))
+    }
+
+    /// What a robot sees of the walls that face it; its odometry is turned by a quarter.
+    fn stretch(map: &OsmMap, truth: Pose2, metres: f64) -> Stretch {
+        let south = |i: u32| MapPoint::new(0.25 + 0.5 * f64::from(i), 10.0);
+        let west = |i: u32| MapPoint::new(30.0, -9.75 + 0.5 * f64::from(i));
+        let turned = |at: MapPoint| MapPoint::new(at.y, -at.x);
+        let facade = |at: MapPoint| Facade {
+            at: turned(at),
+            facing: 0.0,
+            views: 1,
+        };
+        assert_eq!(map.buildings.len(), 2);
+        let end = turned(truth.point());
+        Stretch {
+            end: Pose2::new(end.x, end.y, truth.yaw - FRAC_PI_2),
+            metres,
+            facades: (0..40)
+                .map(south)
+                .chain((0..34).map(west))
+                .map(facade)
+                .collect(),
+            panoramas: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn both_peers_correct_a_start_that_is_off_and_odometry_does_not() {
+        let map = map();
+        let start = Start::Pose {
+            pose: Pose2::new(6.5, 3.5, 0.05),
+            covariance: [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 0.01]],
+        };
+        let error = |kind: PeerKind| {
+            let mut peer = kind.begin(&map, &start, 1);
+            let mut error = f64::INFINITY;
+            for i in 0..4 {
+                let truth = Pose2::new(5.0 + 5.0 * f64::from(i), 2.0, 0.0);
+                let pose = peer.take(&stretch(&map, truth, 5.0));
+                error = pose.point().distance(truth.point());
+            }
+            error
+        };
+        assert!(error(PeerKind::Odometry) > 2.0);
+        let (icp, particles) = (error(PeerKind::Icp), error(PeerKind::Particles));
+        assert!(icp < 0.1, "{icp}");
+        assert!(particles < 0.8, "{particles}");
+    }
+
+    #[test]
+    fn without_buildings_they_stay_with_the_start() {
+        let nothing = OsmMap::new(
+            &OsmData::default(),
+            Georeference::tangent_plane(openbench_core::LonLat::new(0.0, 0.0)),
+        );
+        let start = Pose2::new(5.0, 2.0, 0.0);
+        for kind in PeerKind::ALL {
+            let mut peer = kind.begin(&nothing, &Start::exact(start), 1);
+            let pose = peer.take(&stretch(&map(), start, 0.0));
+            assert!(
+                pose.point().distance(start.point()) < 0.5,
+                "{}",
+                kind.name()
+            );
+        }
+    }
+}

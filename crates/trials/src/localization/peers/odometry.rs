@@ -1,0 +1,30 @@
+//! Nothing but odometry.
+
+use openbench_core::Pose2;
+use openbench_localization::registration::Stretch;
+
+use super::{Peer, motion};
+
+/// The start, carried on by odometry.
+pub(super) struct Odometry {
+    pose: Pose2,
+    last: Option<Pose2>,
+}
+
+impl Odometry {
+    /// From a start.
+    pub(super) const fn new(start: Pose2) -> Self {
+        Self {
+            pose: start,
+            last: None,
+        }
+    }
+}
+
+impl Peer for Odometry {
+    fn take(&mut self, stretch: &Stretch) -> Pose2 {
+        let last = self.last.replace(stretch.end).unwrap_or(stretch.end);
+        self.pose = self.pose.compose(motion(last, stretch.end));
+        self.pose
+    }
+}
