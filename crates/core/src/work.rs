@@ -14,8 +14,10 @@ use serde::{Deserialize, Serialize};
 pub enum Work {
     /// A LiDAR scan is registered, for odometry.
     Registration,
-    /// What was seen on some metres is registered to the public map.
+    /// What was seen on some metres is registered to the public map, near a known pose.
     MapRegistration,
+    /// The same in all of the area in which the robot may be.
+    MapSearch,
     /// A LiDAR scan enters the costmaps.
     Mapping,
     /// A path to a goal is searched.
@@ -28,9 +30,10 @@ pub enum Work {
 
 impl Work {
     /// All kinds.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Registration,
         Self::MapRegistration,
+        Self::MapSearch,
         Self::Mapping,
         Self::PathSearch,
         Self::LocalPlan,
@@ -42,6 +45,7 @@ impl Work {
         match self {
             Self::Registration => "registration",
             Self::MapRegistration => "map_registration",
+            Self::MapSearch => "map_search",
             Self::Mapping => "mapping",
             Self::PathSearch => "path_search",
             Self::LocalPlan => "local_plan",

@@ -41,7 +41,7 @@ fn place(work: Work) -> Option<usize> {
         Work::Registration => Some(0),
         Work::PathSearch => Some(1),
         Work::Reading => Some(2),
-        Work::MapRegistration => Some(3),
+        Work::MapRegistration | Work::MapSearch => Some(3),
         Work::Mapping | Work::LocalPlan => None,
     }
 }

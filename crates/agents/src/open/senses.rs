@@ -56,9 +56,15 @@ impl Senses {
     ) -> (Option<RangeRing>, Option<Finding>) {
         let before = self.localizer.pose();
         self.localizer.update(observation);
+        // By what was known before it.
+        let work = if self.is_located {
+            Work::MapRegistration
+        } else {
+            Work::MapSearch
+        };
         let registrations = self.localizer.map_registrations();
         for _ in self.map_registrations..registrations {
-            events.record(Event::Work(Work::MapRegistration));
+            events.record(Event::Work(work));
         }
         self.map_registrations = registrations;
         let finding = self.finding(before);

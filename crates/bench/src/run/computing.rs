@@ -31,6 +31,7 @@ pub const fn cost_of(work: Work) -> Duration {
     Duration::from_millis(match work {
         Work::Registration => 10,
         Work::MapRegistration => 30,
+        Work::MapSearch => 300,
         Work::Mapping => 15,
         Work::PathSearch => 75,
         Work::LocalPlan => 5,

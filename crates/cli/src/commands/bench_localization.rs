@@ -63,7 +63,8 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
         prepared.warnings().iter().for_each(|warning| tell(warning));
         let drives = drives(args, &name, &prepared)?;
         bar.inc(1);
-        let cases = cases(&prepared, &drives, &level, known, args.seed)?;
+        let own = seed_of(&name, args.seed);
+        let cases = cases(&prepared, &drives, &level, known, own)?;
         if args.examples.is_some() {
             for example in examples(&cases, threads) {
                 let labelled = (&name, &args.level, &args.start, example);
@@ -102,6 +103,13 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
         say(&table(&found))?;
     }
     Ok(Outcome::Done)
+}
+
+/// The seed of starts and map errors in a world: by its name, so that worlds do not share their
+/// draws, and each has its own whichever others are tried.
+fn seed_of(name: &str, seed: u64) -> u64 {
+    let mix = |mixed: u64, byte: u8| mixed.wrapping_mul(31).wrapping_add(u64::from(byte));
+    name.bytes().fold(seed, mix)
 }
 
 /// The level of a condition with a name.
