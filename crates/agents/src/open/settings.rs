@@ -163,7 +163,7 @@ impl Settings {
             "planner" => self.planner = value.to_owned(),
             "reader" => self.reader = value.to_owned(),
             "localizer" => self.localizer = value.to_owned(),
-            "fixes" => self.fixes = Some(value.to_owned()),
+            "fixes" => self.fixes = Some(value.to_owned()).filter(|name| name != DEFAULT_FIXES),
             "motion" => self.motion = value.to_owned(),
             "ground" => self.ground = ground(value)?,
             "budget" => self.budget = budget(value)?,
