@@ -11,7 +11,7 @@ use openbench_geometry::Segment;
 use openbench_localization::registration::Stretch;
 use openbench_osm::OsmMap;
 
-use super::{Peer, guess, motion, seen_from, walls};
+use super::peer::{Peer, guess, motion, seen_from, walls};
 
 /// So many stretches are aligned together: 40 m.
 const STRETCHES: usize = 8;

@@ -3,6 +3,7 @@
 //!
 //! | module | the way |
 //! |---|---|
+//! | `peer` | what every way has, and what they share |
 //! | `odometry` | the start as it is given, carried on by odometry |
 //! | `icp` | points of facades aligned with outlines, from the start on |
 //! | `particles` | Monte Carlo localization with a likelihood field, as in AMCL |
@@ -12,27 +13,21 @@
 mod icp;
 mod odometry;
 mod particles;
+mod peer;
 
 use std::convert::Infallible;
 use std::time::Instant;
 
 use openbench_bench::run::threads;
-use openbench_core::{MapPoint, Pose2, Start};
-use openbench_geometry::{Bounds, Segment};
-use openbench_localization::registration::Stretch;
+use openbench_core::Start;
 use openbench_osm::OsmMap;
 
 use self::icp::Icp;
 use self::odometry::Odometry;
 use self::particles::Particles;
+use self::peer::{Peer, guess};
 use super::cases::Case;
 use super::trial::{Moment, PoseErrors, pose_errors};
-
-/// A way to find out where the robot is.
-trait Peer {
-    /// Takes in what the robot saw, and says its pose at the end.
-    fn take(&mut self, stretch: &Stretch) -> Pose2;
-}
 
 /// The ways that there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,50 +89,12 @@ fn trial(kind: PeerKind, case: &Case<'_>, seed: u64) -> Vec<Moment> {
     moments
 }
 
-/// The most likely start: without a pose the middle of what is known, heading east.
-fn guess(map: &OsmMap, start: &Start) -> Pose2 {
-    start.pose().unwrap_or_else(|| {
-        let middle = start.about().or_else(|| Some(bounds(map)?.middle()));
-        let middle = middle.unwrap_or_default();
-        Pose2::new(middle.x, middle.y, 0.0)
-    })
-}
-
-/// The box around all buildings; `None` if there are none.
-fn bounds(map: &OsmMap) -> Option<Bounds> {
-    let boxes = map.buildings.iter().map(|one| one.polygon.bounds());
-    boxes.reduce(Bounds::union)
-}
-
-/// The walls of all buildings.
-fn walls(map: &OsmMap) -> Vec<Segment> {
-    let sides = map.buildings.iter().flat_map(|one| one.polygon.sides());
-    sides.collect()
-}
-
-/// The motion from one pose to another, in the frame of the first.
-fn motion(from: Pose2, to: Pose2) -> Pose2 {
-    let (dx, dy) = (to.x - from.x, to.y - from.y);
-    let (sine, cosine) = libm::sincos(from.yaw);
-    Pose2::new(
-        cosine * dx + sine * dy,
-        -sine * dx + cosine * dy,
-        to.yaw - from.yaw,
-    )
-}
-
-/// A point of the frame of odometry in the frame of the robot.
-fn seen_from(robot: Pose2, point: MapPoint) -> MapPoint {
-    let there = motion(robot, Pose2::new(point.x, point.y, robot.yaw));
-    MapPoint::new(there.x, there.y)
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
-    use openbench_core::Georeference;
-    use openbench_localization::registration::Facade;
+    use openbench_core::{Georeference, LonLat, MapPoint, Pose2};
+    use openbench_localization::registration::{Facade, Stretch};
     use openbench_osm::OsmData;
 
     use super::*;
@@ -169,7 +126,7 @@ mod tests {
         let houses = house(10, 0.0, 10.0, 20.0, 10.0) + &house(20, 30.0, -10.0, 10.0, 17.0);
         let xml = format!(r#"<osm version="0.6">{houses}</osm>"#);
         let data = OsmData::from_xml(xml.as_bytes()).unwrap();
-        let origin = openbench_core::LonLat::new(0.0, 0.0);
+        let origin = LonLat::new(0.0, 0.0);
         OsmMap::new(&data, Georeference::tangent_plane(origin))
     }
 
@@ -224,7 +181,7 @@ mod tests {
     fn without_buildings_they_stay_with_the_start() {
         let nothing = OsmMap::new(
             &OsmData::default(),
-            Georeference::tangent_plane(openbench_core::LonLat::new(0.0, 0.0)),
+            Georeference::tangent_plane(LonLat::new(0.0, 0.0)),
         );
         let start = Pose2::new(5.0, 2.0, 0.0);
         for kind in PeerKind::ALL {

@@ -3,7 +3,7 @@
 use openbench_core::Pose2;
 use openbench_localization::registration::Stretch;
 
-use super::{Peer, motion};
+use super::peer::{Peer, motion};
 
 /// The start, carried on by odometry.
 pub(super) struct Odometry {

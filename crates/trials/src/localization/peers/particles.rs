@@ -12,7 +12,7 @@ use openbench_osm::OsmMap;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
-use super::{Peer, bounds, guess, motion, seen_from, walls};
+use super::peer::{Peer, bounds, guess, motion, seen_from, walls};
 
 /// Particles: the most of AMCL's defaults.
 const PARTICLES: usize = 5000;

@@ -1,0 +1,50 @@
+//! What every way has, and what they share.
+
+use openbench_core::{MapPoint, Pose2, Start};
+use openbench_geometry::{Bounds, Segment};
+use openbench_localization::registration::Stretch;
+use openbench_osm::OsmMap;
+
+/// A way to find out where the robot is.
+pub(super) trait Peer {
+    /// Takes in what the robot saw, and says its pose at the end.
+    fn take(&mut self, stretch: &Stretch) -> Pose2;
+}
+
+/// The most likely start: without a pose the middle of what is known, heading east.
+pub(super) fn guess(map: &OsmMap, start: &Start) -> Pose2 {
+    start.pose().unwrap_or_else(|| {
+        let middle = start.about().or_else(|| Some(bounds(map)?.middle()));
+        let middle = middle.unwrap_or_default();
+        Pose2::new(middle.x, middle.y, 0.0)
+    })
+}
+
+/// The box around all buildings; `None` if there are none.
+pub(super) fn bounds(map: &OsmMap) -> Option<Bounds> {
+    let boxes = map.buildings.iter().map(|one| one.polygon.bounds());
+    boxes.reduce(Bounds::union)
+}
+
+/// The walls of all buildings.
+pub(super) fn walls(map: &OsmMap) -> Vec<Segment> {
+    let sides = map.buildings.iter().flat_map(|one| one.polygon.sides());
+    sides.collect()
+}
+
+/// The motion from one pose to another, in the frame of the first.
+pub(super) fn motion(from: Pose2, to: Pose2) -> Pose2 {
+    let (dx, dy) = (to.x - from.x, to.y - from.y);
+    let (sine, cosine) = libm::sincos(from.yaw);
+    Pose2::new(
+        cosine * dx + sine * dy,
+        -sine * dx + cosine * dy,
+        to.yaw - from.yaw,
+    )
+}
+
+/// A point of the frame of odometry in the frame of the robot.
+pub(super) fn seen_from(robot: Pose2, point: MapPoint) -> MapPoint {
+    let there = motion(robot, Pose2::new(point.x, point.y, robot.yaw));
+    MapPoint::new(there.x, there.y)
+}
