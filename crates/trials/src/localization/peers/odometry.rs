@@ -2,8 +2,9 @@
 
 use openbench_core::Pose2;
 use openbench_localization::registration::Stretch;
+use openbench_localization::registration::prior::relative;
 
-use super::peer::{Peer, motion};
+use super::peer::Peer;
 
 /// The start, carried on by odometry.
 pub(super) struct Odometry {
@@ -24,7 +25,7 @@ impl Odometry {
 impl Peer for Odometry {
     fn take(&mut self, stretch: &Stretch) -> Pose2 {
         let last = self.last.replace(stretch.end).unwrap_or(stretch.end);
-        self.pose = self.pose.compose(motion(last, stretch.end));
+        self.pose = self.pose.compose(relative(last, stretch.end));
         self.pose
     }
 }

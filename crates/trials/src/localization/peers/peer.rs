@@ -32,19 +32,8 @@ pub(super) fn walls(map: &OsmMap) -> Vec<Segment> {
     sides.collect()
 }
 
-/// The motion from one pose to another, in the frame of the first.
-pub(super) fn motion(from: Pose2, to: Pose2) -> Pose2 {
-    let (dx, dy) = (to.x - from.x, to.y - from.y);
-    let (sine, cosine) = libm::sincos(from.yaw);
-    Pose2::new(
-        cosine * dx + sine * dy,
-        -sine * dx + cosine * dy,
-        to.yaw - from.yaw,
-    )
-}
-
 /// A point of the frame of odometry in the frame of the robot.
 pub(super) fn seen_from(robot: Pose2, point: MapPoint) -> MapPoint {
-    let there = motion(robot, Pose2::new(point.x, point.y, robot.yaw));
-    MapPoint::new(there.x, there.y)
+    let (forward, left) = robot.inverse_transform(point);
+    MapPoint::new(forward, left)
 }
