@@ -31,6 +31,15 @@ impl Fix {
     }
 }
 
+/// Where a robot probably is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Presumption {
+    /// Where it was by odometry,
+    pub odom: Pose2,
+    /// and where that probably is in `map`.
+    pub map: Pose2,
+}
+
 /// A source of poses in `map`.
 pub trait FixSource {
     /// Short name, as in results.
@@ -58,12 +67,19 @@ pub trait FixSource {
     /// Searches anew: the robot may have been carried away, or odometry lost its way.
     fn lose(&mut self) {}
 
+    /// Where the robot probably is, by all that was seen. Other than a fix it may turn out wrong,
+    /// and says nothing about how exact it is.
+    fn presumption(&self) -> Option<Presumption> {
+        None
+    }
+
     /// How often it compared what was seen with a map.
     fn map_registrations(&self) -> u64 {
         0
     }
 
-    /// How far buildings are from where the map shows them.
+    /// How far buildings are from where the map shows them, if the robot is where a fix or the
+    /// presumption says.
     fn building_offsets(&self) -> &[BuildingOffset] {
         &[]
     }

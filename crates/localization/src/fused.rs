@@ -39,6 +39,11 @@ const FINEST: PoseDeviation = PoseDeviation {
     metres: 1e-3,
     radians: 1e-4,
 };
+/// A robot that is found, or probably is elsewhere, this far from where it was thought to be jumps
+/// there, metres,
+const JUMP_M: f64 = 1.0;
+/// or if it turned by so much, radians.
+const JUMP_RAD: f64 = 0.1;
 /// Corrections move the published pose no faster than this, m/s,
 const MAX_CORRECTION_M_S: f64 = 0.2;
 /// and turn it no faster than this, rad/s.
@@ -60,6 +65,8 @@ pub struct Fused {
     window: Window<Isometry2<f64>, 3>,
     key: Option<Key>,
     is_located: bool,
+    /// Whether `published` is what a source presumes.
+    is_presumed: bool,
     /// Pose of `odom` in `map` as published.
     published: Isometry2<f64>,
     /// The same as the graph estimates it.
@@ -76,6 +83,7 @@ impl Fused {
             odometry: LidarInertial::new(robot),
             window: window(start, known(&sources)),
             is_located: known(&sources).metres < LOCATED_M,
+            is_presumed: false,
             sources,
             key: None,
             published: start,
@@ -118,12 +126,13 @@ impl Fused {
     /// odometry says that it is elsewhere.
     fn notice_loss(&mut self) {
         let is_found_again = self.sources.iter().any(|source| source.finds());
-        if !self.is_located || !is_found_again {
+        if !is_found_again {
             return;
         }
-        if self.health() == Health::Lost {
+        let is_thought_somewhere = self.is_located || self.is_presumed;
+        if is_thought_somewhere && self.health() == Health::Lost {
             self.sources.iter_mut().for_each(|source| source.lose());
-            self.is_located = false;
+            (self.is_located, self.is_presumed) = (false, false);
         }
         self.is_located &= !self.sources.iter().any(|source| source.is_lost());
     }
@@ -141,7 +150,8 @@ impl Fused {
         // An error of the key pose, in its own frame, is the adjoint times it in the fix's frame.
         let carried = motion.adjoint();
         let information = carried.transpose() * fix.information * carried;
-        if !self.is_located && is_pose(&information) {
+        let covariance = information.try_inverse();
+        if !self.is_located && covariance.is_some_and(|covariance| is_place(&covariance)) {
             self.begin_at(fix.pose * motion, information);
             return;
         }
@@ -149,8 +159,23 @@ impl Fused {
         let mut window = self.window.clone();
         window.fix(fix.pose * motion, information, fix.max_deviations);
         if window.settle().is_ok() {
-            self.estimated = window.newest() * isometry(key.odom).inverse();
             self.window = window;
+            self.take_over(key);
+        }
+    }
+
+    /// Takes over what the graph says at its newest pose, once that is a place on the map: fixes of
+    /// which none is one can be one together.
+    fn take_over(&mut self, key: Key) {
+        let estimated = self.window.newest() * isometry(key.odom).inverse();
+        if self.is_located {
+            self.estimated = estimated;
+            return;
+        }
+        let covariance = self.window.covariance();
+        if covariance.is_some_and(|covariance| is_place(&covariance)) {
+            self.move_to(estimated);
+            (self.is_located, self.is_presumed) = (true, false);
         }
     }
 
@@ -159,9 +184,28 @@ impl Fused {
         let Some(key) = self.key else { return };
         let start = start_information(known(&self.sources));
         self.window = Window::new(pose, information + start, WINDOW_POSES);
-        self.estimated = pose * isometry(key.odom).inverse();
-        self.published = self.estimated;
-        self.is_located = true;
+        self.move_to(pose * isometry(key.odom).inverse());
+        (self.is_located, self.is_presumed) = (true, false);
+    }
+
+    /// Goes on with what a source presumes, until the robot is found.
+    fn presume(&mut self) {
+        let presumption = self.sources.iter().find_map(|source| source.presumption());
+        let Some(presumption) = presumption.filter(|_| !self.is_located) else {
+            return;
+        };
+        self.move_to(isometry(presumption.map) * isometry(presumption.odom).inverse());
+        self.is_presumed = true;
+    }
+
+    /// The robot is elsewhere: with a jump, unless the published pose is nearly right.
+    fn move_to(&mut self, estimated: Isometry2<f64>) {
+        self.estimated = estimated;
+        let pending = self.pending_motion();
+        let is_near = pending.xy().norm() < JUMP_M && pending.z.abs() < JUMP_RAD;
+        if !(self.is_presumed && is_near) {
+            self.published = estimated;
+        }
     }
 
     fn is_near(&self, fix: &Fix) -> bool {
@@ -238,12 +282,17 @@ impl Localizer for Fused {
         self.estimated = start;
         self.window = window(start, known(&self.sources));
         self.is_located = known(&self.sources).metres < LOCATED_M;
+        self.is_presumed = false;
         self.key = None;
         self.now = SimTime::ZERO;
     }
 
     fn is_located(&self) -> bool {
         self.is_located
+    }
+
+    fn is_presumed(&self) -> bool {
+        self.is_presumed
     }
 
     fn update(&mut self, observation: &Observation<'_>) {
@@ -258,6 +307,7 @@ impl Localizer for Fused {
         }
         fixes.iter().for_each(|fix| self.apply(fix));
         self.notice_loss();
+        self.presume();
         self.correct(seconds.min(MAX_INTERVAL_S));
     }
 
@@ -315,6 +365,9 @@ impl Localizer for Fused {
     }
 
     fn building_offsets(&self) -> &[BuildingOffset] {
+        if !self.is_located && !self.is_presumed {
+            return &[];
+        }
         let mut all = self.sources.iter().map(|source| source.building_offsets());
         all.find(|offsets| !offsets.is_empty()).unwrap_or_default()
     }
@@ -334,14 +387,12 @@ fn known(sources: &[Box<dyn FixSource>]) -> PoseDeviation {
     deviations.fold(START, worse)
 }
 
-/// Whether information says where the robot is, and where it heads: not so a position alone.
-fn is_pose(information: &Matrix3<f64>) -> bool {
-    let covariance = information.try_inverse();
-    covariance.is_some_and(|covariance| {
-        let metres = libm::sqrt(level_variance(&covariance));
-        let radians = libm::sqrt(covariance[(2, 2)]);
-        metres < LOCATED_M && radians < LOCATED_RAD
-    })
+/// Whether a pose of this covariance says where the robot is, and where it heads: not so a position
+/// alone.
+fn is_place(covariance: &Matrix3<f64>) -> bool {
+    let metres = libm::sqrt(level_variance(covariance));
+    let radians = libm::sqrt(covariance[(2, 2)]);
+    metres < LOCATED_M && radians < LOCATED_RAD
 }
 
 /// A graph that begins at a pose in `map`, known so well.

@@ -31,7 +31,7 @@ pub mod wheels;
 
 pub use dead_reckoning::DeadReckoning;
 pub use deviation::PoseDeviation;
-pub use fixes::{Fix, FixSource};
+pub use fixes::{Fix, FixSource, Presumption};
 pub use fused::Fused;
 pub use lidar_inertial::LidarInertial;
 pub use localizer::Localizer;

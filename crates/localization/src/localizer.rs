@@ -21,6 +21,12 @@ pub trait Localizer {
         true
     }
 
+    /// Whether poses are probably those on the map, while the robot is not located: it may go on
+    /// with them. A pose that turns out to be more probable replaces them with a jump.
+    fn is_presumed(&self) -> bool {
+        false
+    }
+
     /// How far buildings are from where the map shows them, as far as it is known.
     fn building_offsets(&self) -> &[BuildingOffset] {
         &[]

@@ -9,7 +9,7 @@ use common::Robot;
 use nalgebra::{Isometry2, Matrix3, Vector2};
 use openbench_core::{Observation, Pose2, RobotDescription, SimTime};
 use openbench_localization::graph::FixCount;
-use openbench_localization::{Fix, FixSource, Fused, Localizer, PoseDeviation, Track};
+use openbench_localization::{Fix, FixSource, Fused, Localizer, PoseDeviation, Presumption, Track};
 
 /// A source whose fixes are set from outside. It gives one a second.
 struct Oracle {
@@ -159,6 +159,88 @@ fn a_robot_that_knows_nothing_is_put_where_the_first_fix_says() {
     // From then on there is no jump.
     let Shown { jump, .. } = trial.drive(20.0, |_| Vector2::new(0.1, 0.0));
     assert!(jump < 0.0101, "{jump}");
+}
+
+/// A source that presumes what is set from outside, and gives each fix once.
+#[derive(Clone, Default)]
+struct Guide {
+    presumption: Rc<Cell<Option<Presumption>>>,
+    information: Rc<Cell<Option<Matrix3<f64>>>>,
+}
+
+impl FixSource for Guide {
+    fn name(&self) -> &str {
+        "guide"
+    }
+
+    fn reset(&mut self) {}
+
+    fn start_deviation(&self) -> Option<PoseDeviation> {
+        Some(PoseDeviation {
+            metres: 10.0,
+            radians: 0.3,
+        })
+    }
+
+    fn presumption(&self) -> Option<Presumption> {
+        self.presumption.get()
+    }
+
+    /// The robot is at (100, 50).
+    fn update(&mut self, observation: &Observation<'_>, _: Pose2, _: &dyn Track) -> Option<Fix> {
+        Some(Fix {
+            stamp: observation.time,
+            pose: Isometry2::new(Vector2::new(100.0, 50.0), 0.0),
+            information: self.information.take()?,
+            max_deviations: 100.0,
+        })
+    }
+}
+
+/// A robot that stands, and what guides it.
+fn standing(start: Pose2) -> (Fused, Robot, Guide) {
+    let guide = Guide::default();
+    let sources: Vec<Box<dyn FixSource>> = vec![Box::new(guide.clone())];
+    let mut localizer = Fused::new(RobotDescription::sentry(), sources);
+    localizer.reset(start);
+    let mut robot = Robot::at(start);
+    robot.drive(&mut localizer, 0.0, 0.0, 2.0);
+    (localizer, robot, guide)
+}
+
+#[test]
+fn what_a_source_presumes_is_followed_with_a_jump_only_if_it_is_elsewhere() {
+    let (mut localizer, mut robot, guide) = standing(Pose2::new(95.0, 50.0, 0.0));
+    assert!(!localizer.is_presumed());
+    let mut presume = |x: f64| {
+        let odom = Pose2::default();
+        let map = Pose2::new(x, 50.0, 0.0);
+        guide.presumption.set(Some(Presumption { odom, map }));
+        robot.drive(&mut localizer, 0.0, 0.0, 0.1);
+        assert!(localizer.is_presumed() && !localizer.is_located());
+        localizer.pose().x
+    };
+    let near = |x: f64, expected: f64| (x - expected).abs() < 0.05;
+    assert!(near(presume(99.0), 99.0));
+    // Nearly there: slowly.
+    assert!(near(presume(99.5), 99.0));
+    // Elsewhere: at once.
+    assert!(near(presume(110.0), 110.0));
+}
+
+#[test]
+fn fixes_of_which_none_says_where_the_robot_is_do_so_together() {
+    let (mut localizer, mut robot, guide) = standing(Pose2::new(95.0, 50.0, 0.0));
+    let mut fix = |information: [f64; 3]| {
+        let information = Matrix3::from_diagonal(&information.into());
+        guide.information.set(Some(information));
+        robot.drive(&mut localizer, 0.0, 0.0, 0.1);
+        (localizer.is_located(), localizer.pose().x)
+    };
+    // Across the road, and along it.
+    assert!(!fix([0.0, 400.0, 1e3]).0);
+    let (is_located, x) = fix([400.0, 0.0, 0.0]);
+    assert!(is_located && (x - 100.0).abs() < 0.05, "{x}");
 }
 
 /// Two of three fixes are outliers, and differ from each other.

@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use openbench_core::{Event, Events, MapPoint, Pose2, SimTime, Velocity};
+use openbench_core::{Event, Events, MapPoint, Pose2, SimTime, Velocity, Work};
 use openbench_motion::{Beam, RangeRing};
 
 use crate::open::driving::{Driver, Driving, Target};
@@ -18,6 +18,8 @@ const FIRST_LOOK: Duration = Duration::from_millis(1500);
 const DISTANCES_M: [f64; 3] = [6.5, 4.0, 2.5];
 /// This near to a place the next one is chosen, so that the robot does not stop, metres.
 const NEAR_M: f64 = 1.5;
+/// Where none is found, the robot looks again after this time.
+const PATIENCE: Duration = Duration::from_secs(1);
 /// Directions in which places are tried: one each ten degrees.
 const DIRECTIONS: usize = 36;
 /// Ground is seen to be free so far to each side of the line to a place, metres,
@@ -77,6 +79,8 @@ pub struct Locating {
     /// Where the robot was, and places that it did not reach.
     seen_from: Vec<MapPoint>,
     target: Option<MapPoint>,
+    /// When a place was chosen last.
+    chosen: Option<SimTime>,
     last: Option<MapPoint>,
     metres: f64,
 }
@@ -93,6 +97,7 @@ impl Locating {
             beams: Vec::new(),
             seen_from: Vec::new(),
             target: None,
+            chosen: None,
             last: None,
             metres: 0.0,
         }
@@ -131,11 +136,9 @@ impl Locating {
             return Search::Drive(Velocity::ZERO);
         }
         let events = &mut InOwnFrame(events);
-        if self
-            .target
-            .is_none_or(|target| target.distance(here) < NEAR_M)
-        {
-            self.choose(here);
+        if self.is_to_choose(here, now) {
+            self.chosen = Some(now);
+            self.choose(here, events);
         }
         let Some(target) = self.target else {
             // All around is blocked: people and cars move on.
@@ -160,10 +163,19 @@ impl Locating {
         }
     }
 
+    /// Whether the robot needs another place, and did not look for one just before.
+    fn is_to_choose(&self, here: MapPoint, now: SimTime) -> bool {
+        let target = self.target;
+        target.is_none_or(|target| target.distance(here) < NEAR_M)
+            && self
+                .chosen
+                .is_none_or(|chosen| now.since(chosen) >= PATIENCE)
+    }
+
     /// Sets the best place as target, if there is one.
-    fn choose(&mut self, here: MapPoint) {
+    fn choose(&mut self, here: MapPoint, events: &mut dyn Events) {
         let mut distances = DISTANCES_M.into_iter();
-        let best = distances.find_map(|distance| self.best_at(here, distance));
+        let best = distances.find_map(|distance| self.best_at(here, distance, events));
         if let Some(point) = best {
             self.target = best;
             self.driver.set_target(Target {
@@ -178,12 +190,16 @@ impl Locating {
     }
 
     /// The best place at this distance to which free ground leads.
-    fn best_at(&self, here: MapPoint, distance: f64) -> Option<MapPoint> {
+    fn best_at(&self, here: MapPoint, distance: f64, events: &mut dyn Events) -> Option<MapPoint> {
         let bearings = (0..DIRECTIONS).map(|i| (i as f64 * 360.0 / DIRECTIONS as f64).to_radians());
         let places: Vec<MapPoint> = bearings
             .filter(|bearing| is_free(&self.beams, *bearing, distance))
             .map(|bearing| here.offset(bearing, distance))
             .collect();
+        if places.is_empty() {
+            return None;
+        }
+        events.record(Event::Work(Work::PathSearch));
         let costs = self.driver.terrain().costs(here, &places);
         let is_near = |cost: &Option<f64>| cost.is_some_and(|c| c <= DETOUR_FACTOR * distance);
         let reachable = places.into_iter().zip(costs);

@@ -9,13 +9,16 @@ use openbench_motion::RangeRing;
 
 use crate::open::perception::Perception;
 
+/// A robot that is not located yet is elsewhere after a jump of this length, metres.
+const JUMP_M: f64 = 0.5;
 /// A pending correction of the pose from which on it is noted.
 const NOTABLE_CORRECTION_M: f64 = 0.3;
 
 /// What a localizer found out about the robot's place on the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Finding {
-    /// The robot was found, so many metres from where it was thought to be.
+    /// The robot is so many metres from where it was thought to be; that may turn out wrong if
+    /// [`Senses::is_located`] does not hold.
     Found(f64),
     /// The robot is not where it was thought to be.
     Lost,
@@ -28,8 +31,10 @@ pub struct Senses {
     perception: Perception,
     /// Whether a notable correction of the pose is pending.
     correcting: bool,
-    /// Whether the localizer knew where the robot is on the map.
+    /// Whether the localizer knew where the robot is on the map,
     is_located: bool,
+    /// or where it probably is.
+    is_presumed: bool,
     /// How many registrations to the map were reported.
     map_registrations: u64,
 }
@@ -41,6 +46,7 @@ impl Senses {
             perception: Perception::new(robot.clone()),
             correcting: false,
             is_located: localizer.is_located(),
+            is_presumed: localizer.is_presumed(),
             map_registrations: 0,
             robot,
             localizer,
@@ -81,17 +87,22 @@ impl Senses {
     }
 
     fn finding(&mut self, thought: Pose2) -> Option<Finding> {
-        let was_located = std::mem::replace(&mut self.is_located, self.localizer.is_located());
-        match (was_located, self.is_located) {
-            (false, true) => {
-                // Earlier scans are where the robot was thought to be.
-                self.perception = Perception::new(self.robot.clone());
-                let away = self.pose().point().distance(thought.point());
-                Some(Finding::Found(away))
-            }
+        let (was_located, was_placed) = (self.is_located, self.is_placed());
+        self.is_located = self.localizer.is_located();
+        self.is_presumed = self.localizer.is_presumed();
+        let away = self.pose().point().distance(thought.point());
+        match (was_placed, self.is_placed()) {
+            (false, true) => self.found(away),
+            (true, true) if !was_located && away > JUMP_M => self.found(away),
             (true, false) => Some(Finding::Lost),
             _ => None,
         }
+    }
+
+    fn found(&mut self, away: f64) -> Option<Finding> {
+        // Earlier scans are where the robot was thought to be.
+        self.perception = Perception::new(self.robot.clone());
+        Some(Finding::Found(away))
     }
 
     /// Notes a pending correction of the pose that is large enough to be visible.
@@ -112,7 +123,12 @@ impl Senses {
         self.is_located
     }
 
-    /// The newest pose: on the map if [`Senses::is_located`].
+    /// Whether it knows that, or where the robot probably is.
+    pub fn is_placed(&self) -> bool {
+        self.is_located || self.is_presumed
+    }
+
+    /// The newest pose: on the map if [`Senses::is_placed`].
     pub fn pose(&self) -> Pose2 {
         self.localizer.pose()
     }

@@ -12,7 +12,7 @@ use super::prior::Prior;
 use super::probability::{Features, Merits, probabilities};
 use super::refine::{Assumptions, Refined, refine};
 use super::submap::Submap;
-use super::vote::{Evidence, Headings};
+use super::vote::Evidence;
 
 /// Large areas are searched in squares of this side, metres,
 const SQUARE_M: f64 = 400.0;
@@ -36,6 +36,8 @@ pub struct Candidate {
     pub explained: Explained,
     /// What the vote and the prior said about it, nats; the best one has the least.
     pub cost: f64,
+    /// What the prior says about it once it is refined, nats.
+    pub prior: f64,
     /// What its probability is computed from.
     pub features: Features,
     /// Probability that it is the robot's pose. Those of all candidates sum up to less than one:
@@ -50,11 +52,7 @@ pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior) -> Vec<Candidat
     let evidence = Evidence::of(submap);
     let area = searched(chart, prior);
     let voted = area.map_or(Vec::new(), |area| voted(chart, area, &evidence, prior));
-    // Square metres times the share of all headings.
-    let share = prior.headings().count as f64 / Headings::ALL.count as f64;
-    let size = area.map_or(0.0, |area| {
-        (area.high.x - area.low.x) * (area.high.y - area.low.y) * share
-    });
+    let volume = area.map_or(0.0, |area| prior.volume(area));
     let mut candidates: Vec<Candidate> = Vec::new();
     for mode in voted {
         let Some(refined) = refine(chart, submap, mode.pose, &Assumptions::default()) else {
@@ -63,7 +61,8 @@ pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior) -> Vec<Candidat
         let is_known = candidates
             .iter()
             .any(|one| is_same(one.refined.pose, refined.pose));
-        if is_known || prior.cost(in_map(chart, refined.pose)).is_infinite() {
+        let beforehand = prior.cost(in_map(chart, refined.pose));
+        if is_known || beforehand.is_infinite() {
             continue;
         }
         let explained = explain(chart, submap, &refined);
@@ -71,17 +70,17 @@ pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior) -> Vec<Candidat
             refined,
             explained,
             cost: mode.cost,
+            prior: beforehand,
             features: Features::default(),
             probability: 0.0,
         });
     }
-    judge(&mut candidates, &evidence, size);
+    judge(&mut candidates, &evidence, volume);
     candidates
 }
 
-/// Gives candidates their probabilities, and puts the best one first. `searched` is the size of the
-/// space of poses.
-fn judge(candidates: &mut [Candidate], evidence: &Evidence, searched: f64) {
+/// Gives candidates their probabilities, and puts the best one first. `volume` is that of the prior.
+fn judge(candidates: &mut [Candidate], evidence: &Evidence, volume: f64) {
     let costs = candidates.iter().map(|one| one.cost);
     let least = costs.fold(f64::INFINITY, f64::min);
     for one in candidates.iter_mut() {
@@ -91,7 +90,7 @@ fn judge(candidates: &mut [Candidate], evidence: &Evidence, searched: f64) {
             cost: one.cost,
             more: one.cost - least,
             pieces: evidence.facades(),
-            searched,
+            surprise: one.prior + libm::log(1.0 + volume),
         };
         one.features = merits.features();
     }

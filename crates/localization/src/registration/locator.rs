@@ -21,11 +21,13 @@ pub const STRETCHES: usize = 8;
 /// A chart reaches farther than is needed at first by this, metres, so that it serves for a while.
 const RESERVE_M: f64 = 50.0;
 /// A pose this probable is accepted at once.
-const SURE: f64 = 0.998;
+const SURE: f64 = 0.9999;
 /// One that was this probable at two places is accepted,
 const LIKELY: f64 = 0.98;
 /// and one that was this probable at three.
 const PROBABLE: f64 = 0.95;
+/// One that is more probable than all others together is presumed meanwhile.
+const PRESUMED: f64 = 0.5;
 /// Places are so far apart on the way, metres: what is seen from nearer ones is nearly the same.
 const APART_M: f64 = 10.0;
 /// Confirmations are remembered for so long on the way, metres.
@@ -99,6 +101,8 @@ pub struct Locator {
     decides: bool,
     /// The accepted pose by all fixes so far; `None` if the robot is not localized.
     estimate: Option<Estimate>,
+    /// What to go on with until a pose is accepted.
+    presumed: Option<Estimate>,
     doubts: usize,
     /// Whether the robot turned out to be elsewhere, and was not found since.
     is_lost: bool,
@@ -122,6 +126,7 @@ impl Locator {
             bank: Vec::new(),
             decides: true,
             estimate: None,
+            presumed: None,
             doubts: 0,
             is_lost: false,
         }
@@ -168,6 +173,11 @@ impl Locator {
         self.estimate.as_ref()
     }
 
+    /// The newest pose that was more probable than all others together, while none is accepted.
+    pub fn presumed(&self) -> Option<&Estimate> {
+        self.presumed.as_ref()
+    }
+
     /// Takes in a first look around, before a stretch has ended.
     pub fn look(&mut self, first: &Stretch) -> Option<Measured> {
         let submap = Submap::of(std::slice::from_ref(first));
@@ -203,10 +213,12 @@ impl Locator {
             .map(|located| self.hypothesis(located, here))
             .collect();
         self.bank = bank;
-        match self.estimate.take() {
+        let measured = match self.estimate.take() {
             None => self.find(here),
             Some(known) => self.follow(known.carried(here), newest),
-        }
+        };
+        self.presume(here);
+        measured
     }
 
     /// Makes the chart reach as far as the robot may see.
@@ -261,6 +273,21 @@ impl Locator {
         self.is_lost = false;
         self.keep(estimate);
         Some(measured)
+    }
+
+    /// Presumes the best hypothesis if it is probable, as long as none is certain.
+    fn presume(&mut self, here: Pose2) {
+        if self.is_located() {
+            self.presumed = None;
+            return;
+        }
+        let best = self.bank.first().map(|best| &best.located.candidate);
+        let best = best.filter(|best| self.decides && best.probability >= PRESUMED);
+        let presumed = best.zip(self.chart.as_ref());
+        let presumed =
+            presumed.and_then(|(best, (chart, _))| Estimate::begin(chart, &best.refined, here));
+        // What was presumed before is still the best that is known.
+        self.presumed = presumed.or(self.presumed.take());
     }
 
     /// Improves what is known by the newest stretch, if the best hypothesis agrees.
@@ -325,6 +352,7 @@ impl Locator {
     /// If the robot was carried, odometry does not know where the stretches before are.
     fn forget_way(&mut self) {
         self.doubts = 0;
+        self.presumed = None;
         self.bank.clear();
         self.way.clear();
     }
@@ -419,6 +447,32 @@ mod tests {
         let mut locator = locator(&houses, Start::Anywhere);
         let found = driven(&mut locator, &houses, &road(-30.0, 0.0, 12));
         assert!(found.iter().all(Option::is_none));
+        assert_eq!(locator.presumed(), None);
+    }
+
+    #[test]
+    fn what_is_only_probable_is_presumed_until_a_pose_is_accepted() {
+        // The start says which of the equal houses it is, though not for sure.
+        let row = |y: f64| (-20..20).map(move |i| block(f64::from(i) * 14.0, y, 8.0, 8.0));
+        let houses: Vec<_> = row(-10.0).chain(row(10.0)).collect();
+        let variance = |deviation: f64| deviation * deviation;
+        let start = Start::Pose {
+            pose: Pose2::new(-28.0, 1.0, 0.1),
+            covariance: [
+                [variance(5.0), 0.0, 0.0],
+                [0.0, variance(5.0), 0.0],
+                [0.0, 0.0, variance(0.2)],
+            ],
+        };
+        let mut locator = locator(&houses, start);
+        let poses = road(-30.0, 0.0, 4);
+        let found = driven(&mut locator, &houses, &poses);
+        assert!(found.iter().all(Option::is_none), "{found:#?}");
+        let presumed = locator.presumed().expect("one house is the most probable");
+        let away = presumed.pose.point().distance(poses[3].point());
+        assert!(away < 0.5, "{away}");
+        locator.lose();
+        assert_eq!(locator.presumed(), None);
     }
 
     #[test]

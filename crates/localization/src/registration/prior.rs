@@ -127,6 +127,22 @@ impl Prior {
         }
     }
 
+    /// The space of poses in which the robot probably is, if it is searched for in this area:
+    /// square metres times the share of all headings. Its inverse is the greatest density of the
+    /// prior.
+    pub fn volume(&self, area: Bounds) -> f64 {
+        let size = (area.high.x - area.low.x) * (area.high.y - area.low.y);
+        let headings = self.headings().count as f64 / Headings::ALL.count as f64;
+        let searched = size * headings;
+        // Of a normal distribution over x, y and yaw.
+        let density = self.information.determinant().sqrt() / (TAU * TAU.sqrt());
+        if density > 0.0 {
+            searched.min(1.0 / (TAU * density))
+        } else {
+            searched
+        }
+    }
+
     /// What a pose of the robot costs, nats; infinite where it cannot be.
     pub fn cost(&self, robot: Pose2) -> f64 {
         let start = robot.compose(relative(self.motion, Pose2::default()));
@@ -203,6 +219,24 @@ mod tests {
         assert!((at(8.0) - 0.5).abs() < 1e-9);
         assert_eq!(at(18.0), f64::INFINITY);
         assert!(prior.headings().count < 12);
+    }
+
+    #[test]
+    fn the_volume_of_a_known_start_grows_with_its_deviations_up_to_what_is_searched() {
+        // What adds to the least deviations is chosen so that the sums are these.
+        let rest = |sum: f64, least: f64| (sum * sum - least * least).sqrt();
+        let volume = |metres: f64, radians: f64| {
+            let metres = rest(metres, LEAST_DEVIATION_M);
+            given(Pose2::default(), metres, rest(radians, LEAST_DEVIATION_RAD)).volume(MAP)
+        };
+        let near = |value: f64, expected: f64| (value / expected - 1.0).abs() < 1e-9;
+        // 10 m by 10 m, and 0.1 of TAU.
+        assert!(near(volume(10.0, 0.2), 10.0 * 10.0 * 0.2 * TAU.sqrt()));
+        assert!(near(volume(1000.0, 3.0), 300.0 * 100.0));
+        assert!(near(
+            Prior::new(&Start::Anywhere).unwrap().volume(MAP),
+            30_000.0
+        ));
     }
 
     #[test]

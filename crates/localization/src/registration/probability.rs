@@ -15,7 +15,7 @@ pub type Features = [f64; FEATURES];
 
 /// What each feature says.
 const WEIGHTS: Features = [
-    -0.260, -0.013, 0.051, 3.205, 0.616, -1.121, 0.768, -1.433, 2.441, 0.214, -1.005,
+    -0.647, -0.005, 0.220, 3.759, 0.297, -0.840, 0.647, -0.464, 1.840, -0.070, -0.969,
 ];
 
 /// What speaks for a candidate.
@@ -31,9 +31,9 @@ pub struct Merits<'a> {
     pub more: f64,
     /// Number of pieces of facades that voted.
     pub pieces: usize,
-    /// Size of the space in which it was searched: square metres times the share of all headings.
-    /// In a larger one more poses fit by chance.
-    pub searched: f64,
+    /// How improbable it was beforehand, nats: minus the logarithm of the prior's density. In a
+    /// larger space more poses fit by chance.
+    pub surprise: f64,
 }
 
 impl Merits<'_> {
@@ -53,7 +53,7 @@ impl Merits<'_> {
             libm::log(1.0 + self.refined.buildings.len() as f64),
             libm::log(0.1 + weakest.max(0.0)),
             self.refined.building_m,
-            libm::log(1.0 + self.searched),
+            self.surprise,
         ]
     }
 }
@@ -115,9 +115,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_found_in_a_large_area_is_less_probable() {
-        let large = good(|features| features[10] = 14.0);
-        assert!(probabilities(&[large])[0] < probabilities(&[good(|_| {})])[0]);
+    fn what_was_improbable_beforehand_still_is() {
+        let far = good(|features| features[10] = 14.0);
+        assert!(probabilities(&[far])[0] < probabilities(&[good(|_| {})])[0]);
     }
 
     #[test]

@@ -7,12 +7,12 @@ use nalgebra::{Isometry2, Matrix3, Rotation3, Vector3};
 use openbench_core::{LidarScan, Observation, Pose2, Pose3, Start};
 use openbench_osm::OsmMap;
 
-use super::estimate::{BuildingOffset, Measured};
+use super::estimate::{BuildingOffset, Estimate, Measured};
 use super::locator::Locator;
 use super::prior::Prior;
 use super::stretch::{FIRST_SCANS, Gatherer};
 use crate::deviation::PoseDeviation;
-use crate::fixes::{Fix, FixSource};
+use crate::fixes::{Fix, FixSource, Presumption};
 use crate::track::Track;
 
 /// A fix of more standard deviations than this is an outlier.
@@ -46,6 +46,11 @@ impl Registrar {
             start,
             lidar,
         }
+    }
+
+    /// The accepted pose, or else what is presumed.
+    fn best(&self) -> Option<&Estimate> {
+        self.locator.estimate().or(self.locator.presumed())
     }
 
     fn locate(&mut self, scan: &LidarScan, track: &dyn Track) -> Option<Measured> {
@@ -95,9 +100,15 @@ impl FixSource for Registrar {
         self.registrations
     }
 
+    fn presumption(&self) -> Option<Presumption> {
+        self.best().map(|best| Presumption {
+            odom: best.here,
+            map: best.pose,
+        })
+    }
+
     fn building_offsets(&self) -> &[BuildingOffset] {
-        let estimate = self.locator.estimate();
-        estimate.map_or(&[], |estimate| estimate.offsets())
+        self.best().map_or(&[], |best| best.offsets())
     }
 
     fn update(

@@ -102,11 +102,15 @@ impl PlateReader for Blind {
 struct Said {
     health: Health,
     is_located: bool,
+    is_presumed: bool,
+    /// How far the robot turned out to be from its start, metres.
+    away: f64,
 }
 
 /// Stands at the start, and is what a test says.
 struct Standing {
     start: Pose2,
+    away: f64,
     said: Arc<Mutex<Said>>,
 }
 
@@ -119,14 +123,16 @@ impl Localizer for Standing {
         self.start = start;
     }
 
-    fn update(&mut self, _: &Observation<'_>) {}
+    fn update(&mut self, _: &Observation<'_>) {
+        self.away = self.said.lock().unwrap().away;
+    }
 
     fn pose_at(&self, _: SimTime) -> Pose2 {
         self.start
     }
 
     fn pose(&self) -> Pose2 {
-        self.start
+        Pose2::new(self.start.x - self.away, self.start.y, self.start.yaw)
     }
 
     fn ready(&self) -> bool {
@@ -135,6 +141,10 @@ impl Localizer for Standing {
 
     fn is_located(&self) -> bool {
         self.said.lock().unwrap().is_located
+    }
+
+    fn is_presumed(&self) -> bool {
+        self.said.lock().unwrap().is_presumed
     }
 
     fn health(&self) -> Health {
@@ -173,6 +183,8 @@ fn begun(
     let said = Arc::new(Mutex::new(Said {
         health: Health::Good,
         is_located,
+        is_presumed: false,
+        away: 0.0,
     }));
     let shared = said.clone();
     let parts = Parts {
@@ -181,6 +193,7 @@ fn begun(
         localizer: Box::new(move |_| {
             Box::new(Standing {
                 start: Pose2::default(),
+                away: 0.0,
                 said: shared.clone(),
             })
         }),
@@ -318,6 +331,34 @@ fn a_search_that_finds_nothing_ends_with_the_start_as_given_or_with_the_episode(
     act(&mut mission, 0, &Shutter(true));
     let all = given_up(act(&mut mission, 1_000_000, &Shutter(true)));
     assert_eq!((all.address, all.cause), (None, FailureCause::Lost));
+}
+
+#[test]
+fn a_robot_goes_on_where_it_probably_is_and_sets_out_again_where_it_is_not() {
+    let doors = [Address::new("building1", "unit1")];
+    let near = Start::exact(Pose2::new(-8.0, 3.0, 0.0));
+    let (mission, said) = begun(&doors, near, false);
+    let mut mission = mission.unwrap();
+    act(&mut mission, 0, &Shutter(false));
+    assert!(mission.locating.is_some() && mission.task.is_none());
+    said.lock().unwrap().is_presumed = true;
+    act(&mut mission, 50, &Shutter(false));
+    assert!(mission.locating.is_none() && mission.task.is_some());
+    // It is certain now, and was right: what was seen counts.
+    mission.seen.push(door("unit1", 0.9));
+    said.lock().unwrap().away = 0.2;
+    act(&mut mission, 100, &Shutter(false));
+    assert_eq!(mission.seen.len(), 1);
+    // It was wrong.
+    let mut events = Vec::new();
+    said.lock().unwrap().is_located = true;
+    said.lock().unwrap().away = 3.2;
+    mission.act(&observation(150, &Shutter(false)), &mut events);
+    assert!(mission.seen.is_empty() && mission.task.is_some());
+    assert!(
+        matches!(&events[0], Event::Note(note) if note.contains("is 3.0 m from")),
+        "{events:?}"
+    );
 }
 
 #[test]

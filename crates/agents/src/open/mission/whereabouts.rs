@@ -46,15 +46,22 @@ impl Mission {
 
     /// Whether the robot first has to find out where it is.
     pub(super) fn is_searching(&self) -> bool {
-        !self.senses.is_located() && self.guess != Guess::Taken
+        !self.senses.is_placed() && self.guess != Guess::Taken
     }
 
     /// What was seen before is where the robot was thought to be.
     fn found(&mut self, away: f64, events: &mut dyn Events) {
-        let way = self.locating.take().map_or(0.0, |search| search.metres());
+        let way = self.locating.take().map(|search| search.metres());
+        let search = way.map_or(String::new(), |way| {
+            format!(", after a search of {way:.0} m")
+        });
+        let how = if self.senses.is_located() {
+            "is"
+        } else {
+            "probably is"
+        };
         events.record(Event::Note(format!(
-            "the robot is found on the map after a search of {way:.0} m, {away:.1} m from where \
-             it was thought to be"
+            "the robot {how} {away:.1} m from where it was thought to be{search}"
         )));
         self.begin_anew();
     }
@@ -101,7 +108,7 @@ impl Mission {
         events.record(Event::Note("finding out where the robot is".into()));
         let (route, limit) = match self.guess {
             Guess::Given => (self.first_route(), Limit::WITH_POSE),
-            Guess::Missing | Guess::Taken => (Vec::new(), Limit::WITHOUT_POSE),
+            _ => (Vec::new(), Limit::WITHOUT_POSE),
         };
         let nothing = OsmMap::new(
             &OsmData::default(),
