@@ -122,8 +122,14 @@ fn planners_and_numbers_of_scenes_that_make_no_sense_are_refused() {
         .openbench("bench localization small --start moon")
         .refused_with(&["--start", "moon", "block, map"]);
     Place::new()
-        .openbench("bench localization small --start off")
-        .refused_with(&["--beside"]);
+        .openbench("bench localization small --start off --beside atlantis")
+        .refused_with(&["--beside", "atlantis"]);
+    Place::new()
+        .openbench("bench localization small --drive 10")
+        .refused_with(&["--drive", "60 to 20000"]);
+    Place::new()
+        .openbench("bench localization small --odometry-drift 2")
+        .refused_with(&["--odometry-drift", "0 to 0.5"]);
     Place::new()
         .openbench("bench motion --scenes 0")
         .refused_with(&["0"]);

@@ -42,6 +42,9 @@ pub enum BenchCommand {
 A robot drives 60 m again and again, along doors in random order. On each drive it compares
 what its LiDAR sees with the buildings of a map that is wrong as public maps are.
 
+A drive of another length (`--drive`) shows whether the robot stays where it is on the map:
+`along` has the errors after all of its legs of 5 m.
+
 Recall is the share of drives on which the pose is right after so many metres; a drive
 without an accepted pose counts as a miss. Shares are fractions of 1 in JSON.
 
@@ -49,7 +52,9 @@ Examples:
   openbench bench localization medium --start 10m --level good --poses 20 --jobs 2
   openbench bench localization medium-7 medium-8 --start block --level city --drives drives
   openbench bench localization krems --start off --beside heidelberg --json
-  openbench bench localization medium --poses 50 --peers")]
+  openbench bench localization medium --poses 50 --peers
+  openbench bench localization medium --labels truth
+  openbench bench localization krems --poses 2 --drive 3000 --odometry-drift 0.01")]
 pub struct BenchLocalizationArgs {
     /// Built-in worlds (small, medium-7, krems), suite files (.toml), or world folders
     #[arg(required_unless_present = "world", conflicts_with = "world")]
@@ -65,8 +70,18 @@ pub struct BenchLocalizationArgs {
     #[arg(long, default_value = "10m")]
     pub start: String,
     /// The world whose map the robot gets with `--start off`
-    #[arg(long, value_name = "WORLD", required_if_eq("start", "off"))]
-    pub beside: Option<String>,
+    #[arg(long, value_name = "WORLD", default_value = "medium-9999")]
+    pub beside: String,
+    /// Length of a drive, metres
+    #[arg(long, value_name = "METRES", default_value_t = 60.0, value_parser = metres_of_drive)]
+    pub drive: f64,
+    /// Makes odometry err by this share of the way, as well
+    #[arg(long, value_name = "SHARE", value_parser = drift)]
+    pub odometry_drift: Option<f64>,
+    /// By what facades are told from hedges, cars and the rest: by their geometry, or, as an upper
+    /// bound, by what they are in truth
+    #[arg(long, value_enum, default_value_t = LabelSource::Geometry)]
+    pub labels: LabelSource,
     /// Number of drives in each world
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub poses: u32,
@@ -88,6 +103,35 @@ pub struct BenchLocalizationArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// By what facades are told from the rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum LabelSource {
+    /// By their geometry
+    Geometry,
+    /// By what they are in truth
+    Truth,
+}
+
+fn metres_of_drive(text: &str) -> Result<f64, String> {
+    let metres = text.parse().map_err(|_| "give metres".to_owned())?;
+    if (60.0..=20_000.0).contains(&metres) {
+        Ok(metres)
+    } else {
+        Err("give 60 to 20000 metres".to_owned())
+    }
+}
+
+fn drift(text: &str) -> Result<f64, String> {
+    let share = text
+        .parse()
+        .map_err(|_| "give a share, such as 0.01".to_owned())?;
+    if (0.0..=0.5).contains(&share) {
+        Ok(share)
+    } else {
+        Err("give a share from 0 to 0.5, such as 0.01".to_owned())
+    }
 }
 
 /// A Gazebo world instead of a built-in one.

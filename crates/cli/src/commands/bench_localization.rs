@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Context;
 use openbench_bench::suite::{Condition, Conditions, GoalKind, StartErrors};
@@ -11,14 +11,16 @@ use openbench_bench::{Prepared, Sensors, Suite, TargetSource, TrafficPlan};
 use openbench_osm::disturb::MapErrors;
 use openbench_osm::write_atomically;
 use openbench_trials::localization::cases::{Known, cases};
-use openbench_trials::localization::drives::{Drive, record};
+use openbench_trials::localization::drift::drifting;
+use openbench_trials::localization::drives::{DRIVE_M, Drive, Recording, record};
 use openbench_trials::localization::examples::examples;
+use openbench_trials::localization::labels::Labels;
 use openbench_trials::localization::peers::{PeerKind, peer_trials};
 use openbench_trials::localization::report::Report;
 use openbench_trials::localization::trial::trials;
 use serde::Serialize;
 
-use crate::args::BenchLocalizationArgs;
+use crate::args::{BenchLocalizationArgs, LabelSource};
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::progress_bar;
 
@@ -44,12 +46,15 @@ struct Found {
 pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
     let level = level::<MapErrors>(&args.level).context("--level")?;
     let is_on_map = args.start != "off";
-    let beside = args.beside.as_deref().map(suite_named).transpose()?;
-    let beside = beside.map(Prepared::world_of).transpose()?;
+    let beside = if is_on_map {
+        None
+    } else {
+        let suite = suite_named(&args.beside).context("--beside")?;
+        Some(Prepared::world_of(suite)?)
+    };
     let known = match &beside {
-        _ if is_on_map => Known::Start(level_of_start(&args.start)?),
         Some(other) => Known::Off(other),
-        None => anyhow::bail!("--start off needs --beside WORLD"),
+        None => Known::Start(level_of_start(&args.start)?),
     };
     let suites = suites(args)?;
     let bar = progress_bar(2 * suites.len(), "worlds recorded and tried");
@@ -64,6 +69,7 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
         let drives = drives(args, &name, &prepared)?;
         bar.inc(1);
         let own = seed_of(&name, args.seed);
+        let drives = with_drift(drives, args.odometry_drift, own);
         let cases = cases(&prepared, &drives, &level, known, own)?;
         if args.examples.is_some() {
             for example in examples(&cases, threads) {
@@ -159,11 +165,19 @@ fn drives(
     name: &str,
     prepared: &Prepared,
 ) -> anyhow::Result<Vec<Drive>> {
-    let count = args.poses as usize;
+    let what = Recording {
+        metres: args.drive,
+        count: args.poses as usize,
+        labels: match args.labels {
+            LabelSource::Geometry => Labels::Geometry,
+            LabelSource::Truth => Labels::Truth,
+        },
+        seed: args.seed,
+    };
     let kept = args
         .drives
         .as_deref()
-        .map(|folder| kept(folder, name, args.seed));
+        .map(|folder| folder.join(kept(name, &what)));
     if let Some(path) = kept.as_deref().filter(|path| path.exists()) {
         let read = || -> anyhow::Result<Vec<Drive>> {
             whole(serde_json::from_slice(&std::fs::read(path)?)?)
@@ -174,12 +188,12 @@ fn drives(
                 path.display()
             )
         })?;
-        if drives.len() >= count {
-            drives.truncate(count);
+        if drives.len() >= what.count {
+            drives.truncate(what.count);
             return Ok(drives);
         }
     }
-    let drives = record(prepared, args.seed, count, usize::from(args.jobs))?;
+    let drives = record(prepared, &what, usize::from(args.jobs))?;
     if let Some(path) = kept {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
@@ -196,13 +210,28 @@ fn whole(drives: Vec<Drive>) -> anyhow::Result<Vec<Drive>> {
     Ok(drives)
 }
 
-/// Where the drives through a world are kept.
-fn kept(folder: &Path, name: &str, seed: u64) -> PathBuf {
-    let plain: String = name
+/// Drives with the drift that is asked for.
+fn with_drift(drives: Vec<Drive>, share: Option<f64>, seed: u64) -> Vec<Drive> {
+    let Some(share) = share else { return drives };
+    let numbered = (0_u64..).zip(&drives);
+    numbered
+        .map(|(number, drive)| drifting(drive, share, seed.wrapping_add(number)))
+        .collect()
+}
+
+/// Name of the file in which the drives through a world are kept.
+fn kept(world: &str, what: &Recording) -> String {
+    let mut name: String = world
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
         .collect();
-    folder.join(format!("{plain}-seed-{seed}.json"))
+    if what.metres != DRIVE_M {
+        let _ = write!(name, "-{}m", what.metres);
+    }
+    if what.labels == Labels::Truth {
+        name.push_str("-truth");
+    }
+    format!("{name}-seed-{}.json", what.seed)
 }
 
 fn table(found: &Found) -> String {
@@ -231,6 +260,16 @@ fn table(found: &Found) -> String {
 Inside 95: fixes inside their ellipsoid of 95 %. Wall: distance to the nearest wall right within
 0.5 m. ms: median computing time of a fix while localized.\n",
     );
+    let along = &found.all.along;
+    if let (Some(median), Some(most)) = (along.p50_m, along.p95_m) {
+        let _ = writeln!(
+            text,
+            "All along, the pose is accepted in {} % and right within 1 m in {} %; accepted ones \
+             are off by {median:.2} m in the median and by {most:.2} m at 95 %.",
+            percent(along.located),
+            percent(along.within_1m),
+        );
+    }
     if let Some(rate) = found.all.rejected_off_map {
         let _ = writeln!(
             text,

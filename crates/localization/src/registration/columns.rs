@@ -1,7 +1,8 @@
 //! What the LiDAR returned over each half metre of ground, while the robot drove a few metres.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};
-use openbench_core::MapPoint;
+use openbench_core::frames::wrap_angle;
+use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::grid::GridGeometry;
 
 /// Side of a column, metres.
@@ -40,8 +41,11 @@ struct Return {
 /// All returns over a square of ground.
 #[derive(Debug, Clone, Copy)]
 struct Column {
+    /// Those that may be of a facade.
     returns: u32,
+    /// The lowest of all returns,
     low: f32,
+    /// and the highest that may be of a facade.
     high: f32,
     /// Of the places from which it was seen.
     views: u8,
@@ -73,11 +77,31 @@ pub struct Facade {
     pub views: u8,
 }
 
+impl Facade {
+    /// The same in another frame; `by` is the pose of this frame in that one.
+    pub(super) fn moved(&self, by: Pose2) -> Self {
+        Self {
+            at: by.transform(self.at.x, self.at.y),
+            facing: wrap_angle(self.facing + by.yaw),
+            views: self.views,
+        }
+    }
+}
+
 /// A direction of the grid.
 #[derive(Debug, Clone, Copy)]
 enum Along {
     Row,
     Column,
+}
+
+/// What a return may be of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Label {
+    /// Of anything, a facade as well.
+    Facade,
+    /// Not of a facade.
+    Other,
 }
 
 /// When and from where a return was measured.
@@ -133,7 +157,7 @@ impl Columns {
     }
 
     /// Takes in a return at a height above the ground where the robot is.
-    pub(super) fn add(&mut self, at: MapPoint, height: f32, sight: &Sight) {
+    pub(super) fn add(&mut self, at: MapPoint, height: f32, label: Label, sight: &Sight) {
         let Some(cell) = self.grid.cell_at(at).filter(|_| height.is_finite()) else {
             return;
         };
@@ -145,8 +169,11 @@ impl Columns {
         let middle = self.grid.center(cell);
         let (x, y) = ((at.x - middle.x) as f32, (at.y - middle.y) as f32);
         let column = &mut self.columns[cell];
-        column.returns += 1;
         column.low = column.low.min(height);
+        if label == Label::Other {
+            return;
+        }
+        column.returns += 1;
         column.high = column.high.max(height);
         if column.last_view != sight.view {
             column.last_view = sight.view;
@@ -304,7 +331,7 @@ mod tests {
                 from,
             };
             for (x, y, height) in returns.clone() {
-                columns.add(MapPoint::new(x, y), height, &sight);
+                columns.add(MapPoint::new(x, y), height, Label::Facade, &sight);
             }
         }
         columns.survey()
@@ -375,7 +402,12 @@ mod tests {
             from: MapPoint::default(),
         };
         for i in 0..30 {
-            columns.add(MapPoint::new(3.1, 0.1), 0.06 * i as f32, &sight);
+            columns.add(
+                MapPoint::new(3.1, 0.1),
+                0.06 * i as f32,
+                Label::Facade,
+                &sight,
+            );
         }
         assert!(!columns.survey().is_occupied(MapPoint::new(3.1, 0.1)));
     }

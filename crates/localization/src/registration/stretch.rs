@@ -9,7 +9,7 @@ use openbench_core::{LidarScan, MapPoint, Pose2, Pose3};
 
 use crate::track::Track;
 
-use super::columns::{CELL_M, Columns, Facade, Sight, Surveyed};
+use super::columns::{CELL_M, Columns, Facade, Label, Sight, Surveyed};
 
 /// A stretch ends after this distance, metres.
 pub const STRETCH_M: f64 = 5.0;
@@ -29,6 +29,8 @@ const VIEW_DISTANCE_M: f64 = 1.0;
 pub const DIRECTIONS: usize = 360;
 /// Points farther away are left out, metres: their heights are uncertain.
 const MAX_RANGE_M: f64 = 45.0;
+/// A return that is less probably of a facade is none of a facade.
+const FACADE_PROBABILITY: f32 = 0.5;
 /// A scan is put straight in slices of this duration.
 const SLICE: Duration = Duration::from_millis(10);
 /// Later points of a scan are in its last slice.
@@ -89,14 +91,55 @@ struct Farthest {
     second: f32,
 }
 
+impl Stretch {
+    /// The same in another frame; `by` is the pose of this frame in that one. Directions of
+    /// panoramas are rounded to whole ones.
+    #[must_use]
+    pub fn moved(&self, by: Pose2) -> Self {
+        let facades = self.facades.iter().map(|facade| facade.moved(by));
+        let panoramas = self.panoramas.iter().map(|panorama| panorama.moved(by));
+        Self {
+            end: by.compose(self.end),
+            metres: self.metres,
+            facades: facades.collect(),
+            panoramas: panoramas.collect(),
+        }
+    }
+}
+
+impl Panorama {
+    fn moved(&self, by: Pose2) -> Self {
+        let count = self.free.len();
+        let steps = libm::round(by.yaw.rem_euclid(TAU) / TAU * count as f64) as usize;
+        let mut free = self.free.clone();
+        free.rotate_right(steps.min(count));
+        Self {
+            from: by.transform(self.from.x, self.from.y),
+            free,
+        }
+    }
+}
+
 impl Gatherer {
     /// For a LiDAR at this pose in `base_link`.
     pub fn new(lidar: Pose3) -> Self {
         Self { lidar, open: None }
     }
 
-    /// Takes in a scan; gives the stretch that it ends, if it does.
+    /// Takes in a scan; gives the stretch that it ends, if it does. What is a facade is told by
+    /// geometry alone.
     pub fn take(&mut self, scan: &LidarScan, track: &dyn Track) -> Option<Stretch> {
+        self.take_labelled(scan, &|_| 1.0, track)
+    }
+
+    /// The same, with the probability that a point of the scan is of a facade, by its index. Of
+    /// what probably is none, geometry is not asked whether it looks like one.
+    pub fn take_labelled(
+        &mut self,
+        scan: &LidarScan,
+        facade: &dyn Fn(usize) -> f32,
+        track: &dyn Track,
+    ) -> Option<Stretch> {
         // Points are nearly in the order of their time, not quite.
         let last = scan.points.iter().map(|point| point.offset_ns).max()?;
         let end = scan.stamp + Duration::from_nanos(u64::from(last));
@@ -116,7 +159,7 @@ impl Gatherer {
         open.last = here;
         open.scans += 1;
         open.begin_view(here.point());
-        open.add(scan, last, &self.lidar, track);
+        open.add(scan, facade, last, &self.lidar, track);
         if open.metres < STRETCH_M {
             return None;
         }
@@ -167,7 +210,14 @@ impl Open {
     }
 
     /// Takes in a scan whose last point is `last_ns` after its first.
-    fn add(&mut self, scan: &LidarScan, last_ns: u32, lidar: &Pose3, track: &dyn Track) {
+    fn add(
+        &mut self,
+        scan: &LidarScan,
+        facade: &dyn Fn(usize) -> f32,
+        last_ns: u32,
+        lidar: &Pose3,
+        track: &dyn Track,
+    ) {
         let Some(number) = self.views.len().checked_sub(1) else {
             return;
         };
@@ -182,7 +232,7 @@ impl Open {
             view: number as u16,
             from: view.from,
         };
-        for point in &scan.points {
+        for (index, point) in scan.points.iter().enumerate() {
             let slice = (point.offset_ns / slice_ns).min(slices);
             let base = &bases[slice as usize];
             let xyz = Point3::from(Vector3::from(point.xyz).cast::<f64>());
@@ -195,7 +245,12 @@ impl Open {
             let direction = direction(view.from.bearing_to(place));
             view.farthest[direction].add(range as f32);
             let height = (at.z - base.translation.z) as f32;
-            self.columns.add(place, height, &sight);
+            let label = if facade(index) >= FACADE_PROBABILITY {
+                Label::Facade
+            } else {
+                Label::Other
+            };
+            self.columns.add(place, height, label, &sight);
         }
     }
 
@@ -324,6 +379,37 @@ mod tests {
         assert_eq!(gatherer.take(&seen, &Still(at(100.0))), None);
         let again = gatherer.unfinished().unwrap();
         assert_eq!((again.end, again.metres), (at(100.0), 0.0));
+    }
+
+    #[test]
+    fn points_that_are_of_no_facade_are_in_the_way_and_no_more() {
+        let pose = Pose2::default();
+        let seen = scan(&[block(10.0, 0.0, 6.0, 8.0)], pose, SimTime::ZERO);
+        let labelled = |probability: f32| {
+            let mut gatherer = Gatherer::new(Pose3::translation(0.0, 0.0, 0.3));
+            for _ in 0..FIRST_SCANS {
+                gatherer.take_labelled(&seen, &|_| probability, &Still(pose));
+            }
+            gatherer.unfinished().unwrap()
+        };
+        let (hedge, wall) = (labelled(0.2), labelled(0.9));
+        assert!(hedge.facades.is_empty() && wall.facades.len() > 10);
+        assert_eq!(hedge.panoramas, wall.panoramas);
+    }
+
+    #[test]
+    fn a_stretch_in_another_frame_shows_the_same_from_there() {
+        let seen = stretch_at(&[block(10.0, 0.0, 6.0, 8.0)], Pose2::default());
+        // Forward is now to the left.
+        let moved = seen.moved(Pose2::new(1.0, 2.0, TAU / 4.0));
+        assert_eq!((moved.end.x, moved.end.y), (1.0, 2.0));
+        for (before, after) in seen.facades.iter().zip(&moved.facades) {
+            assert!((after.at.y - before.at.x - 2.0).abs() < 1e-9);
+            let turn = wrap_angle(after.facing - before.facing);
+            assert!((turn - TAU / 4.0).abs() < 1e-9);
+        }
+        let free = |stretch: &Stretch, bearing| stretch.panoramas[0].free[direction(bearing)];
+        assert_eq!(free(&moved, 0.01 + TAU / 4.0), free(&seen, 0.01));
     }
 
     #[test]

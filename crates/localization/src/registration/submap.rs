@@ -1,9 +1,9 @@
 //! The last metres of the way as evidence about where the robot is.
 
-use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
 
 use super::columns::{CELL_M, Facade};
+use super::prior::relative;
 use super::stretch::{Panorama, Stretch};
 
 /// Stretches, in the frame of the robot at the end of the newest.
@@ -22,38 +22,14 @@ impl Submap {
             return Self::default();
         };
         let mut submap = Self::default();
-        for stretch in stretches {
-            let moved = |facade: &Facade| Facade {
-                at: within(newest.end, facade.at),
-                facing: wrap_angle(facade.facing - newest.end.yaw),
-                ..*facade
-            };
-            submap.facades.extend(stretch.facades.iter().map(moved));
-            let turned = |panorama: &Panorama| turned(newest.end, panorama);
-            submap
-                .panoramas
-                .extend(stretch.panoramas.iter().map(turned));
+        // From the frame of the stretches to that of the robot.
+        let by = relative(newest.end, Pose2::default());
+        for stretch in stretches.iter().map(|stretch| stretch.moved(by)) {
+            submap.facades.extend(stretch.facades);
+            submap.panoramas.extend(stretch.panoramas);
         }
         submap.facades = joined(submap.facades);
         submap
-    }
-}
-
-fn within(frame: Pose2, point: MapPoint) -> MapPoint {
-    let (x, y) = frame.inverse_transform(point);
-    MapPoint::new(x, y)
-}
-
-/// A panorama in another frame. Directions are rounded to whole ones.
-fn turned(frame: Pose2, panorama: &Panorama) -> Panorama {
-    let count = panorama.free.len();
-    let steps = (frame.yaw.rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU * count as f64)
-        .round() as usize;
-    Panorama {
-        from: within(frame, panorama.from),
-        free: (0..count)
-            .map(|i| panorama.free[(i + steps) % count])
-            .collect(),
     }
 }
 

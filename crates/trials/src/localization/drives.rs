@@ -4,23 +4,22 @@ use std::time::Duration;
 
 use openbench_bench::run::threads;
 use openbench_bench::{BenchError, Prepared};
-use openbench_core::Pose2;
+use openbench_core::{LidarScan, Pose2};
 use openbench_localization::registration::estimate::Measured;
 use openbench_localization::registration::locator::Locator;
 use openbench_localization::registration::{Gatherer, Stretch, stretch::STRETCH_M};
-use openbench_localization::{LidarInertial, Localizer};
+use openbench_localization::{LidarInertial, Localizer, Track};
 use serde::{Deserialize, Serialize};
 
+use super::labels::{Labels, TrueLabels};
 use crate::tour::{STANDSTILL, Style, Tour, drive};
 
-/// Length of a drive, metres.
+/// Usual length of a drive, metres.
 pub const DRIVE_M: f64 = 60.0;
-/// Legs of a drive.
-const LEGS: usize = (DRIVE_M / STRETCH_M) as usize;
-/// Most drives of one tour.
-const DRIVES_OF_TOUR: usize = 10;
-/// Duration of a drive: half a metre in a second, with stops now and then.
-const DRIVE: Duration = Duration::from_secs(135);
+/// A tour has several drives, if they are no longer than this together, metres.
+const TOUR_M: f64 = 600.0;
+/// Half a metre in a second, with stops now and then: seconds for each metre.
+const SECONDS_PER_M: f64 = 2.25;
 /// A first look consists of so many scans.
 const FIRST_SCANS: usize = 5;
 
@@ -42,7 +41,20 @@ pub struct Leg {
     pub whole: Seen,
 }
 
-/// A drive of [`DRIVE_M`] metres.
+/// What is recorded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Recording {
+    /// Length of each drive, metres.
+    pub metres: f64,
+    /// How many drives.
+    pub count: usize,
+    /// By what facades are told from the rest.
+    pub labels: Labels,
+    /// Seed of the way and of noise.
+    pub seed: u64,
+}
+
+/// A drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// Its legs, in their order.
@@ -99,43 +111,52 @@ impl Shown<'_> {
     }
 }
 
-/// Records `count` drives through a world, on tours along doors in random order. Drives have no
-/// metre in common. They do not depend on the number of threads, and the first ones not on `count`.
-/// In heavy traffic they may be fewer.
+/// Records drives through a world, on tours along doors in random order. Drives have no metre in
+/// common. They do not depend on the number of threads, and the first ones not on their number. In
+/// heavy traffic they may be fewer.
 ///
 /// # Errors
 /// A world in which a robot cannot drive.
 pub fn record(
     prepared: &Prepared,
-    seed: u64,
-    count: usize,
+    what: &Recording,
     threads: usize,
 ) -> Result<Vec<Drive>, BenchError> {
     let mut drives = Vec::new();
+    let of_tour = ((TOUR_M / what.metres) as usize).max(1);
     // Traffic makes some tours shorter than others.
     for round in 0..3 {
-        let missing = count - drives.len();
-        let tours = missing.div_ceil(DRIVES_OF_TOUR);
-        let tour = |i: usize| {
+        let missing = what.count - drives.len();
+        let tours = missing.div_ceil(of_tour);
+        let one = |i: usize| {
             let number = round * 1000 + i as u64;
-            let own = seed.wrapping_mul(1_000_000).wrapping_add(number);
-            let most = (missing - i * DRIVES_OF_TOUR).min(DRIVES_OF_TOUR);
-            tour(prepared, own, most as u32)
+            let own = Recording {
+                seed: what.seed.wrapping_mul(1_000_000).wrapping_add(number),
+                count: (missing - i * of_tour).min(of_tour),
+                ..*what
+            };
+            tour(prepared, &own)
         };
-        let recorded = threads::each(0..tours, threads, tour, Ok::<_, BenchError>)?;
+        let recorded = threads::each(0..tours, threads, one, Ok::<_, BenchError>)?;
         drives.extend(recorded.into_iter().flatten().take(missing));
     }
     Ok(drives)
 }
 
-/// The drives of one tour, `most` at most.
-fn tour(prepared: &Prepared, seed: u64, most: u32) -> Result<Vec<Drive>, BenchError> {
+/// The drives of one tour.
+fn tour(prepared: &Prepared, what: &Recording) -> Result<Vec<Drive>, BenchError> {
+    let seconds = SECONDS_PER_M * what.metres * what.count as f64;
     let tour = Tour {
-        time: STANDSTILL + DRIVE * most,
+        time: STANDSTILL + Duration::from_secs_f64(seconds),
         via: Vec::new(),
         style: Style::Smooth,
-        seed,
+        seed: what.seed,
         standstill: STANDSTILL,
+    };
+    let truth = TrueLabels::new(prepared.stage.caster(), prepared.robot.lidar);
+    let mut labeller = Labeller {
+        labels: what.labels,
+        truth,
     };
     let mut odometry = LidarInertial::new(prepared.robot.clone());
     odometry.reset(Pose2::default());
@@ -144,12 +165,15 @@ fn tour(prepared: &Prepared, seed: u64, most: u32) -> Result<Vec<Drive>, BenchEr
     drive(prepared, &tour, &mut |simulator, _| {
         let observation = simulator.observation();
         odometry.update(&observation);
+        labeller
+            .truth
+            .observe(observation.time, simulator.base_link());
         if let (Some(scan), true) = (observation.scan, odometry.ready()) {
             let truth = Pose2::from_pose3(&simulator.base_link());
-            let gathered = recorder.whole.take(scan, &odometry);
+            let gathered = labeller.gather(&mut recorder.whole, scan, &odometry);
             if recorder.scans < FIRST_SCANS {
                 recorder.scans += 1;
-                recorder.first.take(scan, &odometry);
+                labeller.gather(&mut recorder.first, scan, &odometry);
                 if recorder.scans == FIRST_SCANS {
                     let stretch = recorder.first.unfinished();
                     recorder.seen = stretch.map(|stretch| Seen { stretch, truth });
@@ -163,12 +187,34 @@ fn tour(prepared: &Prepared, seed: u64, most: u32) -> Result<Vec<Drive>, BenchEr
         }
         Ok(())
     })?;
-    let drives = legs.chunks_exact(LEGS);
+    let drives = legs.chunks_exact(((what.metres / STRETCH_M) as usize).max(1));
     Ok(drives
         .map(|legs| Drive {
             legs: legs.to_vec(),
         })
         .collect())
+}
+
+/// Tells what is a facade.
+struct Labeller<'a> {
+    labels: Labels,
+    truth: TrueLabels<'a>,
+}
+
+impl Labeller<'_> {
+    fn gather(
+        &self,
+        gatherer: &mut Gatherer,
+        scan: &LidarScan,
+        track: &dyn Track,
+    ) -> Option<Stretch> {
+        match self.labels {
+            Labels::Geometry => gatherer.take(scan, track),
+            Labels::Truth => {
+                gatherer.take_labelled(scan, &|index| self.truth.facade(scan, index), track)
+            }
+        }
+    }
 }
 
 /// Gathers one leg.

@@ -31,6 +31,8 @@ pub struct Report {
     pub recall: BTreeMap<String, BTreeMap<String, Option<f64>>>,
     /// Rate of drives on which the heading is right within so many degrees at the end.
     pub yaw: BTreeMap<String, Option<f64>>,
+    /// Errors of the position all along.
+    pub along: Along,
     /// Rate of drives with an accepted pose at the end.
     pub accepted: Option<f64>,
     /// Number of accepted fixes.
@@ -53,6 +55,40 @@ pub struct Report {
     pub find_ms_p50: Option<f64>,
     /// and 99 % quantile.
     pub find_ms_p99: Option<f64>,
+}
+
+/// Errors of the position after all legs of all drives.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Along {
+    /// Rate of legs after which a pose is accepted,
+    pub located: Option<f64>,
+    /// and of those after which it is right within a metre.
+    pub within_1m: Option<f64>,
+    /// Error of the accepted poses, metres: median,
+    pub p50_m: Option<f64>,
+    /// 95 % quantile,
+    pub p95_m: Option<f64>,
+    /// and the largest one. Null beside the map.
+    pub max_m: Option<f64>,
+}
+
+impl Along {
+    fn of(drives: &[Vec<Moment>]) -> Self {
+        let moments = drives.iter().flatten();
+        let errors: Vec<Option<f64>> = moments
+            .map(|moment| moment.error.map(|error| error.metres))
+            .collect();
+        let known: Vec<f64> = errors.iter().copied().flatten().collect();
+        let within = known.iter().filter(|error| **error <= 1.0).count();
+        let finite = |error: &f64| error.is_finite();
+        Self {
+            located: rate(known.len(), errors.len()),
+            within_1m: rate(within, errors.len()),
+            p50_m: quantile(&known, 0.5).filter(finite),
+            p95_m: quantile(&known, 0.95).filter(finite),
+            max_m: quantile(&known, 1.0).filter(finite),
+        }
+    }
 }
 
 impl Report {
@@ -105,6 +141,7 @@ impl Report {
             n,
             recall: BTreeMap::from(recall),
             yaw: BTreeMap::from(yaw),
+            along: Along::of(drives),
             accepted: rate(ends.iter().flatten().count(), n),
             fixes: fixes.len(),
             wrong_5m: fixes.iter().filter(|fix| fix.pose.metres > WRONG_M).count(),
@@ -120,10 +157,10 @@ impl Report {
             nees_mean: (is_on_map && !sound.is_empty())
                 .then(|| sound.iter().sum::<f64>() / sound.len() as f64),
             wall_relative: BTreeMap::from(wall_relative),
-            ms_p50: quantile(&tracking, 0.5),
-            ms_p99: quantile(&tracking, 0.99),
-            find_ms_p50: quantile(&finding, 0.5),
-            find_ms_p99: quantile(&finding, 0.99),
+            ms_p50: quantile(&times(&tracking), 0.5),
+            ms_p99: quantile(&times(&tracking), 0.99),
+            find_ms_p50: quantile(&times(&finding), 0.5),
+            find_ms_p99: quantile(&times(&finding), 0.99),
         }
     }
 }
@@ -132,12 +169,17 @@ fn rate(count: usize, of: usize) -> Option<f64> {
     (of > 0).then(|| count as f64 / of as f64)
 }
 
-/// Computing time that a share of the moments does not exceed.
-fn quantile(moments: &[&Moment], share: f64) -> Option<f64> {
-    let mut times: Vec<f64> = moments.iter().map(|moment| moment.ms).collect();
-    times.sort_by(f64::total_cmp);
-    let index = (share * times.len() as f64).ceil() as usize;
-    times.get(index.max(1) - 1).copied()
+/// Computing times, milliseconds.
+fn times(moments: &[&Moment]) -> Vec<f64> {
+    moments.iter().map(|moment| moment.ms).collect()
+}
+
+/// The value that a share of them does not exceed.
+fn quantile(values: &[f64], share: f64) -> Option<f64> {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    let index = (share * values.len() as f64).ceil() as usize;
+    values.get(index.max(1) - 1).copied()
 }
 
 #[cfg(test)]
@@ -186,6 +228,15 @@ mod tests {
         assert_eq!(walls, (Some(0.0), Some(1.0)));
         assert_eq!((report.yaw["1"], report.yaw["2"]), (Some(0.0), Some(1.0)));
         assert_eq!((report.ms_p50, report.find_ms_p99), (None, Some(61.1)));
+        // Four of five legs have a pose, and one of them is right.
+        let along = Along {
+            located: Some(0.8),
+            within_1m: Some(0.2),
+            p50_m: Some(2.0),
+            p95_m: Some(9.0),
+            max_m: Some(9.0),
+        };
+        assert_eq!(report.along, along);
     }
 
     #[test]
