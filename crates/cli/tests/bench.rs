@@ -194,6 +194,22 @@ fn a_robot_finds_itself_alike_on_any_number_of_threads_and_on_kept_drives() {
             assert_eq!(again[field], first[field], "{field} {options}");
         }
     }
+    let truth = place
+        .openbench(&format!(
+            "{command} --drives kept --labels truth --without free-space --odometry-drift 0.01"
+        ))
+        .succeeded()
+        .json();
+    assert_eq!(
+        (
+            &truth["labels"],
+            &truth["without"],
+            &truth["odometry_drift"]
+        ),
+        (&"truth".into(), &"free-space".into(), &0.01.into())
+    );
+    assert!(truth["along"]["located"].as_f64().is_some());
+    assert!(place.read("kept/small-truth-seed-1.json").starts_with("[{"));
     place
         .openbench("bench localization small --poses 1 --drives kept --examples all.jsonl")
         .succeeded();

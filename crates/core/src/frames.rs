@@ -124,6 +124,21 @@ impl Pose2 {
         Self::new(p.x, p.y, wrap_angle(self.yaw + relative.yaw))
     }
 
+    /// This pose in the frame of another one, with the same parent: the inverse of
+    /// [`Pose2::compose`].
+    ///
+    /// ```
+    /// use openbench_core::Pose2;
+    ///
+    /// let (robot, door) = (Pose2::new(3.0, 4.0, 0.5), Pose2::new(6.0, 8.0, 2.0));
+    /// let back = robot.compose(door.seen_from(robot));
+    /// assert!(back.point().distance(door.point()) < 1e-9);
+    /// ```
+    pub fn seen_from(self, frame: Self) -> Self {
+        let (x, y) = frame.inverse_transform(self.point());
+        Self::new(x, y, wrap_angle(self.yaw - frame.yaw))
+    }
+
     /// This pose as a transform in three dimensions, at height `z` in metres.
     pub fn to_pose3(self, z: f64) -> Pose3 {
         Pose3::new(

@@ -54,6 +54,7 @@ Examples:
   openbench bench localization krems --start off --beside heidelberg --json
   openbench bench localization medium --poses 50 --peers
   openbench bench localization medium --labels truth
+  openbench bench localization medium --without building-offsets
   openbench bench localization krems --poses 2 --drive 3000 --odometry-drift 0.01")]
 pub struct BenchLocalizationArgs {
     /// Built-in worlds (small, medium-7, krems), suite files (.toml), or world folders
@@ -82,6 +83,9 @@ pub struct BenchLocalizationArgs {
     /// bound, by what they are in truth
     #[arg(long, value_enum, default_value_t = LabelSource::Geometry)]
     pub labels: LabelSource,
+    /// Goes without a part of registration, to see what it is worth
+    #[arg(long, value_enum, value_name = "PART", conflicts_with = "examples")]
+    pub without: Option<RegistrationPart>,
     /// Number of drives in each world
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub poses: u32,
@@ -106,12 +110,25 @@ pub struct BenchLocalizationArgs {
 }
 
 /// By what facades are told from the rest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LabelSource {
     /// By their geometry
     Geometry,
     /// By what they are in truth
     Truth,
+}
+
+/// A part of registration to go without.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RegistrationPart {
+    /// Ground that rays show to be free
+    FreeSpace,
+    /// Offsets of buildings: each is taken to be where the map shows it
+    BuildingOffsets,
+    /// Hypotheses that are confirmed on the way: one place has to be enough
+    HypothesisBank,
 }
 
 fn metres_of_drive(text: &str) -> Result<f64, String> {

@@ -17,10 +17,10 @@ use openbench_trials::localization::examples::examples;
 use openbench_trials::localization::labels::Labels;
 use openbench_trials::localization::peers::{PeerKind, peer_trials};
 use openbench_trials::localization::report::Report;
-use openbench_trials::localization::trial::trials;
+use openbench_trials::localization::trial::{Without, trials};
 use serde::Serialize;
 
-use crate::args::{BenchLocalizationArgs, LabelSource};
+use crate::args::{BenchLocalizationArgs, LabelSource, RegistrationPart};
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::progress_bar;
 
@@ -31,6 +31,14 @@ struct Found {
     level: String,
     /// What is known about the start.
     start: String,
+    /// By what facades are told from the rest.
+    labels: LabelSource,
+    /// What registration goes without.
+    without: Option<RegistrationPart>,
+    /// Length of a drive, metres.
+    drive_m: f64,
+    /// By how much odometry was made worse.
+    odometry_drift: Option<f64>,
     seed: u64,
     /// On all worlds together.
     #[serde(flatten)]
@@ -56,6 +64,11 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
         Some(other) => Known::Off(other),
         None => Known::Start(level_of_start(&args.start)?),
     };
+    let without = args.without.map(|part| match part {
+        RegistrationPart::FreeSpace => Without::FreeSpace,
+        RegistrationPart::BuildingOffsets => Without::BuildingOffsets,
+        RegistrationPart::HypothesisBank => Without::HypothesisBank,
+    });
     let suites = suites(args)?;
     let bar = progress_bar(2 * suites.len(), "worlds recorded and tried");
     let threads = usize::from(args.jobs);
@@ -77,7 +90,7 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
                 writeln!(lines, "{}", serde_json::to_string(&labelled)?)?;
             }
         } else {
-            let moments = trials(&prepared, &cases, threads);
+            let moments = trials(&prepared, &cases, without, threads);
             worlds.insert(name, Report::of(&moments, is_on_map));
             all.extend(moments);
             for peer in PeerKind::ALL.into_iter().filter(|_| args.peers) {
@@ -95,6 +108,10 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
     let found = Found {
         level: args.level.clone(),
         start: args.start.clone(),
+        labels: args.labels,
+        without: args.without,
+        drive_m: args.drive,
+        odometry_drift: args.odometry_drift,
         seed: args.seed,
         all: Report::of(&all, is_on_map),
         worlds,

@@ -48,14 +48,19 @@ pub struct Candidate {
 /// The most probable poses of a robot that sees a submap, the best one first. None where nothing
 /// is seen of a building, or where the area in which it can be is larger than two by two
 /// kilometres.
-pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior) -> Vec<Candidate> {
+pub fn candidates(
+    chart: &Chart,
+    submap: &Submap,
+    prior: &Prior,
+    assumed: &Assumptions,
+) -> Vec<Candidate> {
     let evidence = Evidence::of(submap);
     let area = searched(chart, prior);
     let voted = area.map_or(Vec::new(), |area| voted(chart, area, &evidence, prior));
     let volume = area.map_or(0.0, |area| prior.volume(area));
     let mut candidates: Vec<Candidate> = Vec::new();
     for mode in voted {
-        let Some(refined) = refine(chart, submap, mode.pose, &Assumptions::default()) else {
+        let Some(refined) = refine(chart, submap, mode.pose, assumed) else {
             continue;
         };
         let is_known = candidates
@@ -79,7 +84,7 @@ pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior) -> Vec<Candidat
     candidates
 }
 
-/// Gives candidates their probabilities, and puts the best one first. `volume` is that of the prior.
+/// Gives candidates their probabilities, and puts the best one first. `volume` is the prior's.
 fn judge(candidates: &mut [Candidate], evidence: &Evidence, volume: f64) {
     let costs = candidates.iter().map(|one| one.cost);
     let least = costs.fold(f64::INFINITY, f64::min);
@@ -173,7 +178,7 @@ mod tests {
         // The town is far from the map's origin.
         chart.origin = MapPoint::new(3e5, 5e6);
         let prior = Prior::new(&Start::Anywhere).unwrap();
-        let found = candidates(&chart, &seen_from(truth), &prior);
+        let found = candidates(&chart, &seen_from(truth), &prior, &Assumptions::default());
         let error = found[0].refined.pose.point().distance(truth.point());
         assert!(error < 0.05, "{error}");
         assert!(found[0].explained.facades > 0.9);
@@ -184,7 +189,7 @@ mod tests {
         let start = Start::exact(Pose2::new(1000.0, 0.0, 0.0));
         let prior = Prior::new(&start).unwrap();
         let seen = seen_from(Pose2::default());
-        assert!(candidates(&chart(&town()), &seen, &prior).is_empty());
+        assert!(candidates(&chart(&town()), &seen, &prior, &Assumptions::default()).is_empty());
     }
 
     #[test]

@@ -18,9 +18,8 @@ use openbench_core::{MapPoint, Pose2};
 
 use super::candidates::in_map;
 use super::chart::Chart;
-use super::matching::{BuildingEvidence, FacadeNoise, Matching};
-use super::prior::relative;
-use super::refine::Refined;
+use super::matching::{BuildingEvidence, Matching};
+use super::refine::{Assumptions, Refined};
 use super::submap::Submap;
 
 /// Odometry errs by this share of the way,
@@ -33,17 +32,6 @@ const CREDIBLE: f64 = 4.0;
 const GUESS: f64 = 3.0;
 /// What is known of a direction that nothing measures: a kilometre, and any heading.
 const NOTHING: [f64; 3] = [1e-6, 1e-6, 0.1];
-/// Facades match walls within this distance, metres.
-const GATE_M: f64 = 1.5;
-/// How exactly facades of a stretch are on their walls.
-const FACADE: FacadeNoise = FacadeNoise {
-    metres: 0.3,
-    independence: 0.2,
-};
-/// Standard deviation of offsets that is expected before buildings are seen, metres,
-const EXPECTED_M: f64 = 1.0;
-/// and how many buildings that expectation is worth.
-const EXPECTED_BUILDINGS: f64 = 1.0;
 /// Larger offsets are not found, metres.
 const FOUND_M: f64 = 3.0;
 /// Most steps of an update,
@@ -63,6 +51,7 @@ pub struct Estimate {
     offsets: Vec<BuildingOffset>,
     /// Standard deviation of offsets along each axis, metres.
     building_m: f64,
+    assumed: Assumptions,
     /// Covariance of x, y of `map` and yaw, then of x and y of each offset.
     covariance: DMatrix<f64>,
     /// Pose of the robot in `odom` there.
@@ -88,8 +77,14 @@ pub struct Measured {
 }
 
 impl Estimate {
-    /// From a refined pose; `here` is the robot's pose in `odom`. `None` if it is not finite.
-    pub fn begin(chart: &Chart, refined: &Refined, here: Pose2) -> Option<Self> {
+    /// From a pose that was refined under the same assumptions; `here` is the robot's pose in
+    /// `odom`. `None` if it is not finite.
+    pub fn begin(
+        chart: &Chart,
+        refined: &Refined,
+        here: Pose2,
+        assumed: &Assumptions,
+    ) -> Option<Self> {
         let buildings = most_seen(&refined.buildings);
         let offset = |one: &&BuildingEvidence| BuildingOffset {
             building: chart.buildings[one.building],
@@ -109,6 +104,7 @@ impl Estimate {
             pose: in_map(chart, refined.pose),
             offsets: buildings.iter().map(offset).collect(),
             building_m: refined.building_m,
+            assumed: *assumed,
             covariance,
             here,
         };
@@ -129,7 +125,7 @@ impl Estimate {
     /// The same after the robot has moved.
     #[must_use]
     pub fn carried(mut self, here: Pose2) -> Self {
-        let pose = self.pose.compose(relative(self.here, here));
+        let pose = self.pose.compose(here.seen_from(self.here));
         let (dx, dy) = (pose.x - self.pose.x, pose.y - self.pose.y);
         // An error of the heading displaces what lies ahead.
         for column in 0..self.covariance.ncols() {
@@ -176,7 +172,12 @@ impl Estimate {
                 after.offset(building).or_else(guess).unwrap_or_default()
             });
             let pose = in_chart(chart, after.pose);
-            matching.linearise(&seen.facades, pose, GATE_M, FACADE);
+            let Assumptions {
+                last_gate_m,
+                facade,
+                ..
+            } = self.assumed;
+            matching.linearise(&seen.facades, pose, last_gate_m, facade);
             equations.forget(&after.departure(self));
             for one in most_seen(&matching.buildings) {
                 let building = chart.buildings[one.building];
@@ -289,8 +290,9 @@ impl Estimate {
     /// them to be so.
     fn rescale(&mut self) -> Option<()> {
         let before = 1.0 / (self.building_m * self.building_m);
-        let mut count = EXPECTED_BUILDINGS;
-        let mut sum = count * EXPECTED_M * EXPECTED_M;
+        let expected_m = self.assumed.building_m;
+        let mut count = self.assumed.expected_buildings;
+        let mut sum = count * expected_m * expected_m;
         for (i, own) in self.offsets.iter().enumerate() {
             let at = 3 + 2 * i;
             let unknown = self.covariance[(at, at)] + self.covariance[(at + 1, at + 1)];
@@ -457,7 +459,7 @@ fn in_chart(chart: &Chart, pose: Pose2) -> Pose2 {
 mod tests {
     use openbench_geometry::Polygon;
 
-    use super::super::refine::{Assumptions, refine};
+    use super::super::refine::refine;
     use super::super::town::{block, chart, stretch_at, town, village, way};
     use super::*;
 
@@ -466,7 +468,7 @@ mod tests {
         let seen = Submap::of(&[stretch_at(houses, pose)]);
         let chart = chart(mapped);
         let refined = refine(&chart, &seen, pose, &Assumptions::default()).unwrap();
-        Estimate::begin(&chart, &refined, Pose2::default()).unwrap()
+        Estimate::begin(&chart, &refined, Pose2::default(), &Assumptions::default()).unwrap()
     }
 
     /// The estimate after it has seen the same from the same place so many times.
@@ -531,7 +533,8 @@ mod tests {
         let stretches = way(&town, &poses);
         let first = Submap::of(&stretches[..1]);
         let refined = refine(&chart, &first, poses[0], &Assumptions::default()).unwrap();
-        let mut estimate = Estimate::begin(&chart, &refined, stretches[0].end).unwrap();
+        let mut estimate =
+            Estimate::begin(&chart, &refined, stretches[0].end, &Assumptions::default()).unwrap();
         for i in 1..stretches.len() {
             let known = estimate.carried(stretches[i].end);
             let all = Submap::of(&stretches[..=i]);

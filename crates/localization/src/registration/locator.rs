@@ -12,7 +12,8 @@ use super::candidates::{Candidate, candidates, in_map};
 use super::chart::Chart;
 use super::estimate::{Estimate, Measured};
 use super::field::{CELL_M, MARGIN_CELLS};
-use super::prior::{Prior, relative};
+use super::prior::Prior;
+use super::refine::Assumptions;
 use super::stretch::Stretch;
 use super::submap::Submap;
 
@@ -85,6 +86,27 @@ struct Confirmation {
     probability: f64,
 }
 
+/// When a pose is accepted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Acceptance {
+    /// Never: hypotheses only.
+    Never,
+    /// If it is nearly certain at one place.
+    AtOnePlace,
+    /// If it is nearly certain at one place, or probable at several.
+    #[default]
+    AtSeveralPlaces,
+}
+
+/// How a locator judges.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Judgement {
+    /// What is assumed of map and facades.
+    pub assumed: Assumptions,
+    /// When a pose is accepted.
+    pub acceptance: Acceptance,
+}
+
 /// Finds out where the robot is.
 #[derive(Debug, Clone)]
 pub struct Locator {
@@ -97,8 +119,7 @@ pub struct Locator {
     driven_m: f64,
     chart: Option<(Chart, Bounds)>,
     bank: Vec<Hypothesis>,
-    /// Whether it accepts poses.
-    decides: bool,
+    judgement: Judgement,
     /// The accepted pose by all fixes so far; `None` if the robot is not localized.
     estimate: Option<Estimate>,
     /// What to go on with until a pose is accepted.
@@ -124,7 +145,7 @@ impl Locator {
             driven_m: 0.0,
             chart: None,
             bank: Vec::new(),
-            decides: true,
+            judgement: Judgement::default(),
             estimate: None,
             presumed: None,
             doubts: 0,
@@ -132,12 +153,10 @@ impl Locator {
         }
     }
 
-    /// One that accepts no pose, to look at its hypotheses.
-    pub fn undecided(map: Arc<OsmMap>, start: &Start) -> Self {
-        Self {
-            decides: false,
-            ..Self::new(map, start)
-        }
+    /// The same with another judgement.
+    #[must_use]
+    pub fn judging(self, judgement: Judgement) -> Self {
+        Self { judgement, ..self }
     }
 
     /// The buildings in whose coordinates candidates are.
@@ -201,10 +220,10 @@ impl Locator {
     /// Compares the last stretches, and the newest of them alone, with the map.
     fn consider(&mut self, submap: &Submap, newest: &Submap, here: Pose2) -> Option<Measured> {
         let since = *self.since.get_or_insert(here);
-        let prior = self.prior?.after(relative(since, here));
+        let prior = self.prior?.after(here.seen_from(since));
         self.reach(&prior)?;
         let (chart, _) = self.chart.as_ref()?;
-        let found = candidates(chart, submap, &prior);
+        let found = candidates(chart, submap, &prior, &self.judgement.assumed);
         let located = found.into_iter().map(|candidate| Located {
             pose: in_map(chart, candidate.refined.pose),
             candidate,
@@ -242,7 +261,7 @@ impl Locator {
     /// A candidate with the confirmations of the hypothesis that it confirms.
     fn hypothesis(&self, located: Located, here: Pose2) -> Hypothesis {
         let confirms = |one: &&Hypothesis| {
-            let expected = one.located.pose.compose(relative(one.here, here));
+            let expected = one.located.pose.compose(here.seen_from(one.here));
             is_same(expected, located.pose)
         };
         let earlier = self.bank.iter().find(confirms);
@@ -262,9 +281,8 @@ impl Locator {
     /// Believes the best hypothesis if it is certain.
     fn find(&mut self, here: Pose2) -> Option<Measured> {
         let best = self.bank.first();
-        let best = best.filter(|best| self.decides && best.is_certain())?;
-        let (chart, _) = self.chart.as_ref()?;
-        let estimate = Estimate::begin(chart, &best.located.candidate.refined, here)?;
+        let best = best.filter(|best| best.is_accepted(self.judgement.acceptance))?;
+        let estimate = self.estimate_of(&best.located.candidate, here)?;
         // Of the estimate, not of the candidate: what the next stretches add is measured from here.
         let measured = Measured {
             pose: estimate.pose,
@@ -275,6 +293,11 @@ impl Locator {
         Some(measured)
     }
 
+    fn estimate_of(&self, candidate: &Candidate, here: Pose2) -> Option<Estimate> {
+        let (chart, _) = self.chart.as_ref()?;
+        Estimate::begin(chart, &candidate.refined, here, &self.judgement.assumed)
+    }
+
     /// Presumes the best hypothesis if it is probable, as long as none is certain.
     fn presume(&mut self, here: Pose2) {
         if self.is_located() {
@@ -282,10 +305,8 @@ impl Locator {
             return;
         }
         let best = self.bank.first().map(|best| &best.located.candidate);
-        let best = best.filter(|best| self.decides && best.probability >= PRESUMED);
-        let presumed = best.zip(self.chart.as_ref());
-        let presumed =
-            presumed.and_then(|(best, (chart, _))| Estimate::begin(chart, &best.refined, here));
+        let best = best.filter(|best| best.probability >= PRESUMED);
+        let presumed = best.and_then(|best| self.estimate_of(best, here));
         // What was presumed before is still the best that is known.
         self.presumed = presumed.or(self.presumed.take());
     }
@@ -359,11 +380,19 @@ impl Locator {
 }
 
 impl Hypothesis {
+    fn is_accepted(&self, acceptance: Acceptance) -> bool {
+        let is_sure = self.located.candidate.probability >= SURE;
+        match acceptance {
+            Acceptance::Never => false,
+            Acceptance::AtOnePlace => is_sure,
+            Acceptance::AtSeveralPlaces => is_sure || self.is_confirmed(),
+        }
+    }
+
     /// Whether it was confirmed often enough, at places that lie apart.
-    fn is_certain(&self) -> bool {
+    fn is_confirmed(&self) -> bool {
         let probability = self.located.candidate.probability;
-        probability >= SURE
-            || self.places(LIKELY) >= 2 && probability >= LIKELY
+        self.places(LIKELY) >= 2 && probability >= LIKELY
             || self.places(PROBABLE) >= 3 && probability >= PROBABLE
     }
 

@@ -145,7 +145,7 @@ impl Prior {
 
     /// What a pose of the robot costs, nats; infinite where it cannot be.
     pub fn cost(&self, robot: Pose2) -> f64 {
-        let start = robot.compose(relative(self.motion, Pose2::default()));
+        let start = robot.compose(Pose2::default().seen_from(self.motion));
         match &self.start {
             Start::Pose { pose, .. } => {
                 let turn = wrap_angle(start.yaw - pose.yaw);
@@ -164,12 +164,6 @@ impl Prior {
             Start::Anywhere => 0.0,
         }
     }
-}
-
-/// A pose in the frame of another one.
-pub fn relative(frame: Pose2, pose: Pose2) -> Pose2 {
-    let (x, y) = frame.inverse_transform(pose.point());
-    Pose2::new(x, y, wrap_angle(pose.yaw - frame.yaw))
 }
 
 #[cfg(test)]

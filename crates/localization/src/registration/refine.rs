@@ -36,18 +36,30 @@ pub struct Assumptions {
     pub last_gate_m: f64,
 }
 
+impl Assumptions {
+    /// Every building is where the map shows it.
+    pub const EXACT_MAP: Self = Self {
+        building_m: 0.02,
+        // However many are seen, that is believed.
+        expected_buildings: 1e9,
+        ..Self::DEFAULT
+    };
+
+    const DEFAULT: Self = Self {
+        building_m: 1.0,
+        expected_buildings: 1.0,
+        facade: FacadeNoise {
+            metres: 0.3,
+            independence: 0.2,
+        },
+        first_gate_m: 4.0,
+        last_gate_m: 1.5,
+    };
+}
+
 impl Default for Assumptions {
     fn default() -> Self {
-        Self {
-            building_m: 1.0,
-            expected_buildings: 1.0,
-            facade: FacadeNoise {
-                metres: 0.3,
-                independence: 0.2,
-            },
-            first_gate_m: 4.0,
-            last_gate_m: 1.5,
-        }
+        Self::DEFAULT
     }
 }
 

@@ -3,7 +3,6 @@
 use openbench_core::{MapPoint, Pose2};
 
 use super::columns::{CELL_M, Facade};
-use super::prior::relative;
 use super::stretch::{Panorama, Stretch};
 
 /// Stretches, in the frame of the robot at the end of the newest.
@@ -23,7 +22,7 @@ impl Submap {
         };
         let mut submap = Self::default();
         // From the frame of the stretches to that of the robot.
-        let by = relative(newest.end, Pose2::default());
+        let by = Pose2::default().seen_from(newest.end);
         for stretch in stretches.iter().map(|stretch| stretch.moved(by)) {
             submap.facades.extend(stretch.facades);
             submap.panoramas.extend(stretch.panoramas);

@@ -7,7 +7,6 @@ use openbench_geometry::{Polygon, Segment};
 use openbench_osm::{OsmData, OsmMap, Projection};
 
 use super::chart::{Chart, Wall};
-use super::prior::relative;
 use super::stretch::{Gatherer, Stretch};
 use crate::track::Track;
 
@@ -148,7 +147,7 @@ pub(super) fn scan(houses: &[Polygon], pose: Pose2, stamp: SimTime) -> LidarScan
 
 /// What a robot sees at each of these poses, in an `odom` that begins at the first one.
 pub(super) fn way(houses: &[Polygon], poses: &[Pose2]) -> Vec<Stretch> {
-    let in_odom = |pose: Pose2| relative(poses[0], pose);
+    let in_odom = |pose: Pose2| pose.seen_from(poses[0]);
     let seen = |(i, pose): (usize, &Pose2)| {
         let mut gatherer = Gatherer::new(Pose3::translation(0.0, 0.0, SENSOR_M));
         let scan = scan(houses, *pose, SimTime::ZERO);

@@ -1,7 +1,6 @@
 //! Odometry made worse: a drive as a robot would see it whose odometry drifts.
 
 use openbench_core::Pose2;
-use openbench_localization::registration::prior::relative;
 use openbench_sim::noise::Noise;
 
 use super::drives::{Drive, Leg, Seen};
@@ -22,7 +21,7 @@ pub fn drifting(drive: &Drive, share: f64, seed: u64) -> Drive {
     let mut drifted = before;
     let legs = drive.legs.iter().map(|leg| {
         let end = leg.whole.stretch.end;
-        let motion = relative(before, end);
+        let motion = end.seen_from(before);
         let turn = TURN_PER_DRIFT * share * noise.normal();
         drifted = drifted.compose(Pose2::new(
             motion.x * (1.0 + share),
@@ -31,7 +30,7 @@ pub fn drifting(drive: &Drive, share: f64, seed: u64) -> Drive {
         ));
         before = end;
         // From the frame of the odometry to that of the worse one.
-        let by = drifted.compose(relative(end, Pose2::default()));
+        let by = drifted.compose(Pose2::default().seen_from(end));
         Leg {
             first: moved(&leg.first, by),
             whole: moved(&leg.whole, by),

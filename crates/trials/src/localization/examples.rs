@@ -4,8 +4,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use openbench_bench::run::threads;
-use openbench_localization::registration::locator::{Hypothesis, Locator};
-use openbench_localization::registration::prior::relative;
+use openbench_localization::registration::locator::{Acceptance, Hypothesis, Judgement, Locator};
 use openbench_localization::registration::probability::Features;
 use serde::Serialize;
 
@@ -42,7 +41,12 @@ pub fn examples(cases: &[Case<'_>], threads: usize) -> Vec<Example> {
 
 /// The candidates of a case after each leg of its drive, if none is ever accepted.
 fn of_case(number: usize, case: &Case<'_>) -> Vec<Example> {
-    let mut locator = Locator::undecided(Arc::clone(&case.map.map), &case.start);
+    let judgement = Judgement {
+        acceptance: Acceptance::Never,
+        ..Judgement::default()
+    };
+    let map = Arc::clone(&case.map.map);
+    let mut locator = Locator::new(map, &case.start).judging(judgement);
     let mut examples = Vec::new();
     for shown in case.drive.shown() {
         shown.to(&mut locator);
@@ -54,7 +58,7 @@ fn of_case(number: usize, case: &Case<'_>) -> Vec<Example> {
 
 fn example(number: usize, case: &Case<'_>, shown: &Shown<'_>, one: &Hypothesis) -> Example {
     let pose = one.located.pose;
-    let back = relative(shown.seen.stretch.end, case.drive.start());
+    let back = case.drive.start().seen_from(shown.seen.stretch.end);
     let start = pose.compose(back);
     let errors = case
         .on_map(shown.seen.truth)

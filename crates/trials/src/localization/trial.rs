@@ -11,16 +11,46 @@ use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::Segment;
 use openbench_localization::registration::estimate::Estimate;
-use openbench_localization::registration::locator::Locator;
+use openbench_localization::registration::locator::{Acceptance, Judgement, Locator};
+use openbench_localization::registration::refine::Assumptions;
 use openbench_osm::OsmMap;
 use openbench_osm::disturb::MapState;
 
 use super::cases::Case;
+use super::drives::Shown;
 
 /// Walls farther from the robot are not compared, metres.
 const WALL_M: f64 = 25.0;
 /// A building of the map is a true one if it is no farther from where that should be, metres.
 const SAME_BUILDING_M: f64 = 2.0;
+
+/// What registration goes without, to see what it is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Without {
+    /// Free ground: facades are all that counts.
+    FreeSpace,
+    /// Offsets of buildings: each is where the map shows it.
+    BuildingOffsets,
+    /// The bank of hypotheses: one place has to be enough to accept a pose.
+    HypothesisBank,
+}
+
+impl Without {
+    fn judgement(without: Option<Self>) -> Judgement {
+        let usual = Judgement::default();
+        match without {
+            Some(Self::BuildingOffsets) => Judgement {
+                assumed: Assumptions::EXACT_MAP,
+                ..usual
+            },
+            Some(Self::HypothesisBank) => Judgement {
+                acceptance: Acceptance::AtOnePlace,
+                ..usual
+            },
+            Some(Self::FreeSpace) | None => usual,
+        }
+    }
+}
 
 /// What was known at a moment of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,19 +89,30 @@ pub struct FixErrors {
 }
 
 /// Localizes the robot on the drives of all cases through a world.
-pub fn trials(prepared: &Prepared, cases: &[Case<'_>], threads: usize) -> Vec<Vec<Moment>> {
+pub fn trials(
+    prepared: &Prepared,
+    cases: &[Case<'_>],
+    without: Option<Without>,
+    threads: usize,
+) -> Vec<Vec<Moment>> {
     let truth_map = OsmMap::new(&prepared.world.map, prepared.world.georeference);
-    let one = |i: usize| Ok::<_, Infallible>(trial(&truth_map, &cases[i]));
+    let one = |i: usize| Ok::<_, Infallible>(trial(&truth_map, &cases[i], without));
     let moments = threads::each(0..cases.len(), threads, one, Ok::<_, Infallible>);
     moments.unwrap_or_else(|never| match never {})
 }
 
 /// Localizes the robot along a drive. `truth_map` is the map without errors.
-fn trial(truth_map: &OsmMap, case: &Case<'_>) -> Vec<Moment> {
-    let mut locator = Locator::new(Arc::clone(&case.map.map), &case.start);
+fn trial(truth_map: &OsmMap, case: &Case<'_>, without: Option<Without>) -> Vec<Moment> {
+    let locator = Locator::new(Arc::clone(&case.map.map), &case.start);
+    let mut locator = locator.judging(Without::judgement(without));
     let mut moments = Vec::new();
     for shown in case.drive.shown() {
-        let seen = shown.seen;
+        let mut seen = shown.seen.clone();
+        if without == Some(Without::FreeSpace) {
+            seen.stretch.panoramas.clear();
+        }
+        let seen = &seen;
+        let shown = Shown { seen, ..shown };
         let was_located = locator.is_located();
         let began = Instant::now();
         let is_fixed = shown.to(&mut locator).is_some();

@@ -9,7 +9,6 @@ use nalgebra::{Matrix3, Vector3};
 use openbench_core::{MapPoint, Pose2, Start};
 use openbench_geometry::Segment;
 use openbench_localization::registration::Stretch;
-use openbench_localization::registration::prior::relative;
 use openbench_osm::OsmMap;
 
 use super::peer::{Peer, guess, seen_from, walls};
@@ -92,7 +91,7 @@ impl Peer for Icp {
         }
         let points = self.points(here);
         let pose = match self.last {
-            Some((pose, there)) => self.align(&points, pose.compose(relative(there, here))),
+            Some((pose, there)) => self.align(&points, pose.compose(here.seen_from(there))),
             None if self.knows_heading => self.align(&points, self.start),
             None => {
                 let turned = (0..HEADINGS).map(|i| {

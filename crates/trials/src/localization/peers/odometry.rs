@@ -2,7 +2,6 @@
 
 use openbench_core::Pose2;
 use openbench_localization::registration::Stretch;
-use openbench_localization::registration::prior::relative;
 
 use super::peer::Peer;
 
@@ -25,7 +24,7 @@ impl Odometry {
 impl Peer for Odometry {
     fn take(&mut self, stretch: &Stretch) -> Pose2 {
         let last = self.last.replace(stretch.end).unwrap_or(stretch.end);
-        self.pose = self.pose.compose(relative(last, stretch.end));
+        self.pose = self.pose.compose(stretch.end.seen_from(last));
         self.pose
     }
 }

@@ -8,7 +8,6 @@ use openbench_core::{MapPoint, Pose2, Start};
 use openbench_geometry::grid::{GridGeometry, squared_distances};
 use openbench_geometry::{Bounds, Segment};
 use openbench_localization::registration::Stretch;
-use openbench_localization::registration::prior::relative;
 use openbench_osm::OsmMap;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -134,7 +133,7 @@ impl Particles {
 impl Peer for Particles {
     fn take(&mut self, stretch: &Stretch) -> Pose2 {
         let last = self.last.replace(stretch.end).unwrap_or(stretch.end);
-        self.predict(relative(last, stretch.end));
+        self.predict(stretch.end.seen_from(last));
         let stride = stretch.facades.len().div_ceil(POINTS).max(1);
         let points: Vec<MapPoint> = stretch
             .facades
