@@ -1,5 +1,6 @@
 //! Where the robot is, and what its LiDAR shows there.
 
+use openbench_core::frames::wrap_angle;
 use openbench_core::{
     Event, Events, Health, Observation, Pose2, PoseEstimate, RobotDescription, Work,
 };
@@ -9,8 +10,10 @@ use openbench_motion::RangeRing;
 
 use crate::open::perception::Perception;
 
-/// A robot that is not located yet is elsewhere after a jump of this length, metres.
-const JUMP_M: f64 = 0.5;
+/// Localizers correct the pose slowly. A correction that is longer at once is a jump, metres,
+const JUMP_M: f64 = 0.1;
+/// or one that turns it further, radians.
+const JUMP_RAD: f64 = 0.05;
 /// A pending correction of the pose from which on it is noted.
 const NOTABLE_CORRECTION_M: f64 = 0.3;
 
@@ -60,7 +63,7 @@ impl Senses {
         observation: &Observation<'_>,
         events: &mut dyn Events,
     ) -> (Option<RangeRing>, Option<Finding>) {
-        let before = self.localizer.pose();
+        let before = self.localizer.odom();
         self.localizer.update(observation);
         // By what was known before it.
         let work = if self.is_located {
@@ -86,14 +89,18 @@ impl Senses {
         (Some(ring), finding)
     }
 
-    fn finding(&mut self, thought: Pose2) -> Option<Finding> {
+    /// `before` is the pose of `odom` in `map` as it was known before the newest observation.
+    fn finding(&mut self, before: Pose2) -> Option<Finding> {
         let (was_located, was_placed) = (self.is_located, self.is_placed());
         self.is_located = self.localizer.is_located();
         self.is_presumed = self.localizer.is_presumed();
-        let away = self.pose().point().distance(thought.point());
+        let pose = self.pose();
+        let thought = before.compose(pose.seen_from(self.localizer.odom()));
+        let away = pose.point().distance(thought.point());
+        let is_jump = away > JUMP_M || wrap_angle(pose.yaw - thought.yaw).abs() > JUMP_RAD;
         match (was_placed, self.is_placed()) {
             (false, true) => self.found(away),
-            (true, true) if !was_located && away > JUMP_M => self.found(away),
+            (true, true) if !was_located && is_jump => self.found(away),
             (true, false) => Some(Finding::Lost),
             _ => None,
         }
