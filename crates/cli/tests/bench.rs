@@ -209,6 +209,16 @@ fn a_robot_finds_itself_alike_on_any_number_of_threads_and_on_kept_drives() {
         (&"truth".into(), &"free-space".into(), &0.01.into())
     );
     assert!(truth["along"]["located"].as_f64().is_some());
+    let table = place.openbench(
+        "bench localization small --start block --poses 1 --drives kept --labels truth \
+         --without free-space --odometry-drift 0.01",
+    );
+    let header = "map good, start block, true labels, without free space, 1 % of drift added\n";
+    assert!(
+        table.succeeded().stdout.starts_with(header),
+        "{}",
+        table.stdout
+    );
     assert!(place.read("kept/small-truth-seed-1.json").starts_with("[{"));
     place
         .openbench("bench localization small --poses 1 --drives kept --examples all.jsonl")

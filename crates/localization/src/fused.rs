@@ -39,10 +39,10 @@ const FINEST: PoseDeviation = PoseDeviation {
     metres: 1e-3,
     radians: 1e-4,
 };
-/// A robot that is found, or probably is elsewhere, this far from where it was thought to be jumps
-/// there, metres,
+/// While the robot is not located, the published pose jumps to a new one that is farther away than
+/// this, metres,
 const JUMP_M: f64 = 1.0;
-/// or if it turned by so much, radians.
+/// or turned by more than this, radians.
 const JUMP_RAD: f64 = 0.1;
 /// Corrections move the published pose no faster than this, m/s,
 const MAX_CORRECTION_M_S: f64 = 0.2;
@@ -164,8 +164,8 @@ impl Fused {
         }
     }
 
-    /// Takes over what the graph says at its newest pose, once that is a place on the map: fixes of
-    /// which none is one can be one together.
+    /// Takes over the newest pose of the graph. If the robot is not located yet, that locates it as
+    /// soon as the graph knows position and heading; several partial fixes can do so together.
     fn take_over(&mut self, key: Key) {
         let estimated = self.window.newest() * isometry(key.odom).inverse();
         if self.is_located {
@@ -198,7 +198,8 @@ impl Fused {
         self.is_presumed = true;
     }
 
-    /// The robot is elsewhere: with a jump, unless the published pose is nearly right.
+    /// Sets a new estimate. The published pose jumps to it, unless a presumed one is near: that is
+    /// corrected slowly.
     fn move_to(&mut self, estimated: Isometry2<f64>) {
         self.estimated = estimated;
         let pending = self.pending_motion();

@@ -76,14 +76,14 @@ pub struct BenchLocalizationArgs {
     /// Length of a drive, metres
     #[arg(long, value_name = "METRES", default_value_t = 60.0, value_parser = metres_of_drive)]
     pub drive: f64,
-    /// Makes odometry err by this share of the way, as well
+    /// Adds drift to odometry, as a share of the distance driven
     #[arg(long, value_name = "SHARE", value_parser = drift)]
     pub odometry_drift: Option<f64>,
-    /// By what facades are told from hedges, cars and the rest: by their geometry, or, as an upper
-    /// bound, by what they are in truth
+    /// How facades are distinguished from hedges, cars and other surfaces: by geometry, or, as an
+    /// upper bound, by the true class of each surface
     #[arg(long, value_enum, default_value_t = LabelSource::Geometry)]
     pub labels: LabelSource,
-    /// Goes without a part of registration, to see what it is worth
+    /// Leaves out a part of registration (ablation)
     #[arg(long, value_enum, value_name = "PART", conflicts_with = "examples")]
     pub without: Option<RegistrationPart>,
     /// Number of drives in each world
@@ -109,17 +109,17 @@ pub struct BenchLocalizationArgs {
     pub json: bool,
 }
 
-/// By what facades are told from the rest.
+/// How facades are distinguished from other surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LabelSource {
-    /// By their geometry
+    /// By geometry
     Geometry,
-    /// By what they are in truth
+    /// By the true class of each surface
     Truth,
 }
 
-/// A part of registration to go without.
+/// A part of registration that can be left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RegistrationPart {

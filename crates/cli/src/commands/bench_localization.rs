@@ -31,9 +31,9 @@ struct Found {
     level: String,
     /// What is known about the start.
     start: String,
-    /// By what facades are told from the rest.
+    /// How facades are distinguished from other surfaces.
     labels: LabelSource,
-    /// What registration goes without.
+    /// The part of registration that is left out.
     without: Option<RegistrationPart>,
     /// Length of a drive, metres.
     drive_m: f64,
@@ -252,7 +252,7 @@ fn kept(world: &str, what: &Recording) -> String {
 }
 
 fn table(found: &Found) -> String {
-    let mut text = format!("map {}, start {}\n", found.level, found.start);
+    let mut text = header(found);
     text.push_str(&line([
         "world",
         "n",
@@ -294,6 +294,30 @@ Inside 95: fixes inside their ellipsoid of 95 %. Wall: distance to the nearest w
             percent(Some(rate))
         );
     }
+    text
+}
+
+/// What was tried. Injected truth, drift and parts left out are said in words.
+fn header(found: &Found) -> String {
+    let mut text = format!("map {}, start {}", found.level, found.start);
+    if found.labels == LabelSource::Truth {
+        text.push_str(", true labels");
+    }
+    if let Some(part) = found.without {
+        let part = match part {
+            RegistrationPart::FreeSpace => "free space",
+            RegistrationPart::BuildingOffsets => "building offsets",
+            RegistrationPart::HypothesisBank => "hypothesis bank",
+        };
+        let _ = write!(text, ", without {part}");
+    }
+    if found.drive_m != DRIVE_M {
+        let _ = write!(text, ", drives of {} m", found.drive_m);
+    }
+    if let Some(share) = found.odometry_drift {
+        let _ = write!(text, ", {} % of drift added", 100.0 * share);
+    }
+    text.push('\n');
     text
 }
 

@@ -95,12 +95,12 @@ enum Along {
     Column,
 }
 
-/// What a return may be of.
+/// Which surface a return is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Label {
-    /// Of anything, a facade as well.
+    /// Possibly a facade: geometry decides.
     Facade,
-    /// Not of a facade.
+    /// Not a facade.
     Other,
 }
 

@@ -29,7 +29,7 @@ const VIEW_DISTANCE_M: f64 = 1.0;
 pub const DIRECTIONS: usize = 360;
 /// Points farther away are left out, metres: their heights are uncertain.
 const MAX_RANGE_M: f64 = 45.0;
-/// A return that is less probably of a facade is none of a facade.
+/// Returns with a lower probability of being on a facade never count as facade.
 const FACADE_PROBABILITY: f32 = 0.5;
 /// A scan is put straight in slices of this duration.
 const SLICE: Duration = Duration::from_millis(10);
@@ -126,14 +126,14 @@ impl Gatherer {
         Self { lidar, open: None }
     }
 
-    /// Takes in a scan; gives the stretch that it ends, if it does. What is a facade is told by
-    /// geometry alone.
+    /// Adds a scan, and returns the stretch if the scan ends one. Geometry alone decides what a
+    /// facade is.
     pub fn take(&mut self, scan: &LidarScan, track: &dyn Track) -> Option<Stretch> {
         self.take_labelled(scan, &|_| 1.0, track)
     }
 
-    /// The same, with the probability that a point of the scan is of a facade, by its index. Of
-    /// what probably is none, geometry is not asked whether it looks like one.
+    /// The same for a scan with labels: `facade` is the probability that the point of this index is
+    /// on a facade. Points below 0.5 never count as facade; for the others geometry decides.
     pub fn take_labelled(
         &mut self,
         scan: &LidarScan,

@@ -48,7 +48,7 @@ pub struct Recording {
     pub metres: f64,
     /// How many drives.
     pub count: usize,
-    /// By what facades are told from the rest.
+    /// How facades are distinguished from other surfaces.
     pub labels: Labels,
     /// Seed of the way and of noise.
     pub seed: u64,
@@ -195,7 +195,7 @@ fn tour(prepared: &Prepared, what: &Recording) -> Result<Vec<Drive>, BenchError>
         .collect())
 }
 
-/// Tells what is a facade.
+/// Gathers scans with the labels that are asked for.
 struct Labeller<'a> {
     labels: Labels,
     truth: TrueLabels<'a>,

@@ -6,12 +6,12 @@ use nalgebra::{Point3, Vector3};
 use openbench_core::{LidarScan, Pose3, SimTime};
 use openbench_scene::{RayCaster, SemanticClass};
 
-/// By what facades are told from hedges, cars and the rest.
+/// How facades are distinguished from hedges, cars and other surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Labels {
-    /// By the geometry of what is seen.
+    /// By the geometry of the returns.
     Geometry,
-    /// By the classes of the world's surfaces; a hedge or a fence is never taken for a facade.
+    /// By the true classes of the world's surfaces.
     Truth,
 }
 
@@ -20,7 +20,7 @@ const SAME_SURFACE_M: f32 = 0.5;
 /// True poses are remembered for so many observations: a scan takes two.
 const REMEMBERED: usize = 8;
 
-/// Tells of what LiDAR returns are.
+/// Looks up which surfaces LiDAR returns are on.
 pub struct TrueLabels<'a> {
     caster: &'a RayCaster,
     /// Pose of the LiDAR in `base_link`.

@@ -17,14 +17,14 @@ use openbench_osm::OsmMap;
 use openbench_osm::disturb::MapState;
 
 use super::cases::Case;
-use super::drives::Shown;
+use super::drives::{Seen, Shown};
 
 /// Walls farther from the robot are not compared, metres.
 const WALL_M: f64 = 25.0;
 /// A building of the map is a true one if it is no farther from where that should be, metres.
 const SAME_BUILDING_M: f64 = 2.0;
 
-/// What registration goes without, to see what it is worth.
+/// A part of registration that is left out (ablation).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Without {
     /// Free ground: facades are all that counts.
@@ -107,11 +107,8 @@ fn trial(truth_map: &OsmMap, case: &Case<'_>, without: Option<Without>) -> Vec<M
     let mut locator = locator.judging(Without::judgement(without));
     let mut moments = Vec::new();
     for shown in case.drive.shown() {
-        let mut seen = shown.seen.clone();
-        if without == Some(Without::FreeSpace) {
-            seen.stretch.panoramas.clear();
-        }
-        let seen = &seen;
+        let blind = (without == Some(Without::FreeSpace)).then(|| without_free_space(shown.seen));
+        let seen = blind.as_ref().unwrap_or(shown.seen);
         let shown = Shown { seen, ..shown };
         let was_located = locator.is_located();
         let began = Instant::now();
@@ -136,6 +133,12 @@ fn trial(truth_map: &OsmMap, case: &Case<'_>, without: Option<Without>) -> Vec<M
         moments.push(moment);
     }
     moments
+}
+
+fn without_free_space(seen: &Seen) -> Seen {
+    let mut seen = seen.clone();
+    seen.stretch.panoramas.clear();
+    seen
 }
 
 impl PoseErrors {
