@@ -67,6 +67,10 @@ pub trait FixSource {
     /// Searches anew: the robot may have been carried away, or odometry lost its way.
     fn lose(&mut self) {}
 
+    /// Odometry contradicted itself for a while: the robot may have been carried away, and what was
+    /// seen before is not where odometry has it.
+    fn distrust(&mut self) {}
+
     /// Where the robot probably is, by all that was seen. Other than a fix it may turn out wrong,
     /// and says nothing about how exact it is.
     fn presumption(&self) -> Option<Presumption> {

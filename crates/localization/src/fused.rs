@@ -4,14 +4,17 @@
 //! Its corrections are applied slowly, so that the published pose has no jumps either. (REP 105
 //! lets `map -> odom` jump; planners suffer from it.)
 
-use nalgebra::{Isometry2, Matrix2, Matrix3, SymmetricEigen, UnitComplex, Vector2, Vector3};
+use std::time::Duration;
+
+use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2, Vector3};
 use openbench_core::frames::wrap_angle;
-use openbench_core::{Health, Observation, Pose2, RobotDescription, SimTime};
+use openbench_core::{Doubt, Health, Observation, Pose2, RobotDescription, SimTime};
 
 use crate::deviation::PoseDeviation;
 use crate::fixes::{Fix, FixSource};
 use crate::graph::{FixCount, Pose as _, Window};
 use crate::history;
+use crate::reckoned::{Reckoned, level_variance, rotating};
 use crate::registration::BuildingOffset;
 use crate::{LidarInertial, Localizer};
 
@@ -48,22 +51,18 @@ const JUMP_RAD: f64 = 0.1;
 const MAX_CORRECTION_M_S: f64 = 0.2;
 /// and turn it no faster than this, rad/s.
 const MAX_CORRECTION_RAD_S: f64 = 0.1;
+/// Odometry that contradicts itself for so long may be elsewhere.
+const MISLEADING_TIME: Duration = Duration::from_secs(1);
 /// No longer time counts between two observations, seconds.
 const MAX_INTERVAL_S: f64 = 0.2;
-
-/// A pose of the graph in `odom`.
-#[derive(Debug, Clone, Copy)]
-struct Key {
-    odom: Pose2,
-    covariance: Matrix3<f64>,
-}
 
 /// Odometry and graph.
 pub struct Fused {
     odometry: LidarInertial,
     sources: Vec<Box<dyn FixSource>>,
     window: Window<Isometry2<f64>, 3>,
-    key: Option<Key>,
+    /// The newest pose of the graph.
+    key: Option<Reckoned>,
     is_located: bool,
     /// Whether `published` is what a source presumes.
     is_presumed: bool,
@@ -73,6 +72,8 @@ pub struct Fused {
     estimated: Isometry2<f64>,
     /// Time of the newest observation.
     now: SimTime,
+    /// Since when odometry contradicts itself.
+    contradicted: Option<SimTime>,
 }
 
 impl Fused {
@@ -89,6 +90,7 @@ impl Fused {
             published: start,
             estimated: start,
             now: SimTime::ZERO,
+            contradicted: None,
         }
     }
 
@@ -102,24 +104,36 @@ impl Fused {
         let Some(covariance) = self.odometry.covariance() else {
             return;
         };
-        let here = Key {
-            odom: self.odometry.pose(),
+        let here = Reckoned {
+            pose: self.odometry.pose(),
             covariance,
         };
         match self.key {
             // Odometry has a covariance from its first scan on, and the graph begins where the
             // robot is then.
             None => {
-                let start = self.published * isometry(here.odom);
+                let start = self.published * isometry(here.pose);
                 self.window = window(start, known(&self.sources));
             }
-            Some(last) if here.is_new_after(&last) => {
-                let motion = isometry(last.odom).inverse() * isometry(here.odom);
+            Some(last) if is_key_after(&last, &here) => {
+                let motion = isometry(last.pose).inverse() * isometry(here.pose);
                 self.window.advance(motion, information(&last, &here));
             }
             Some(_) => return,
         }
         self.key = Some(here);
+    }
+
+    /// Tells sources when a contradiction is over that lasted.
+    fn notice_contradiction(&mut self) {
+        if self.odometry.health_within(None) == Health::Degraded(Doubt::Contradiction) {
+            self.contradicted.get_or_insert(self.now);
+            return;
+        }
+        let since = self.contradicted.take();
+        if since.is_some_and(|since| self.now.since(since) >= MISLEADING_TIME) {
+            self.sources.iter_mut().for_each(|source| source.distrust());
+        }
     }
 
     /// Where a source can find the robot again, it is searched for as soon as that source or
@@ -146,7 +160,7 @@ impl Fused {
             return;
         }
         let at_fix = isometry(self.odometry.pose_at(fix.stamp));
-        let motion = at_fix.inverse() * isometry(key.odom);
+        let motion = at_fix.inverse() * isometry(key.pose);
         // An error of the key pose, in its own frame, is the adjoint times it in the fix's frame.
         let carried = motion.adjoint();
         let information = carried.transpose() * fix.information * carried;
@@ -166,8 +180,8 @@ impl Fused {
 
     /// Takes over the newest pose of the graph. If the robot is not located yet, that locates it as
     /// soon as the graph knows position and heading; several partial fixes can do so together.
-    fn take_over(&mut self, key: Key) {
-        let estimated = self.window.newest() * isometry(key.odom).inverse();
+    fn take_over(&mut self, key: Reckoned) {
+        let estimated = self.window.newest() * isometry(key.pose).inverse();
         if self.is_located {
             self.estimated = estimated;
             return;
@@ -184,7 +198,7 @@ impl Fused {
         let Some(key) = self.key else { return };
         let start = start_information(known(&self.sources));
         self.window = Window::new(pose, information + start, WINDOW_POSES);
-        self.move_to(pose * isometry(key.odom).inverse());
+        self.move_to(pose * isometry(key.pose).inverse());
         (self.is_located, self.is_presumed) = (true, false);
     }
 
@@ -254,21 +268,6 @@ impl Fused {
     }
 }
 
-impl Key {
-    /// Whether the robot has come far enough since the last key, or coasted for too long.
-    fn is_new_after(&self, last: &Self) -> bool {
-        let distance = self.odom.point().distance(last.odom.point());
-        let turn = wrap_angle(self.odom.yaw - last.odom.yaw).abs();
-        let grown =
-            self.level_variance() > last.level_variance() + KEY_DEVIATION_M * KEY_DEVIATION_M;
-        distance >= KEY_DISTANCE_M || turn >= KEY_TURN_RAD || grown
-    }
-
-    fn level_variance(&self) -> f64 {
-        level_variance(&self.covariance)
-    }
-}
-
 impl Localizer for Fused {
     fn name(&self) -> &str {
         "fused"
@@ -286,6 +285,7 @@ impl Localizer for Fused {
         self.is_presumed = false;
         self.key = None;
         self.now = SimTime::ZERO;
+        self.contradicted = None;
     }
 
     fn is_located(&self) -> bool {
@@ -307,6 +307,7 @@ impl Localizer for Fused {
             fixes.extend(source.update(observation, near, &self.odometry));
         }
         fixes.iter().for_each(|fix| self.apply(fix));
+        self.notice_contradiction();
         self.notice_loss();
         self.presume();
         self.correct(seconds.min(MAX_INTERVAL_S));
@@ -344,11 +345,11 @@ impl Localizer for Fused {
     /// Of the graph's newest pose, of the motion since then, and of what is still to be applied.
     fn covariance(&self) -> Option<Matrix3<f64>> {
         let key = self.key?;
-        let here = Key {
-            odom: self.odometry.pose(),
+        let here = Reckoned {
+            pose: self.odometry.pose(),
             covariance: self.odometry.covariance()?,
         };
-        let motion = isometry(key.odom).inverse() * isometry(here.odom);
+        let motion = isometry(key.pose).inverse() * isometry(here.pose);
         // From the frame of the key pose to that of the newest pose.
         let carried = motion.inverse().adjoint();
         let since = information(&key, &here).try_inverse()?;
@@ -407,39 +408,23 @@ fn start_information(known: PoseDeviation) -> Matrix3<f64> {
     Matrix3::from_diagonal(&[level, level, turn].into())
 }
 
+/// Whether the robot has come far enough since the last pose of the graph, or coasted for too long.
+fn is_key_after(last: &Reckoned, here: &Reckoned) -> bool {
+    let distance = here.pose.point().distance(last.pose.point());
+    let turn = wrap_angle(here.pose.yaw - last.pose.yaw).abs();
+    let grown = here.level_variance() > last.level_variance() + KEY_DEVIATION_M * KEY_DEVIATION_M;
+    distance >= KEY_DISTANCE_M || turn >= KEY_TURN_RAD || grown
+}
+
 /// Information about the motion between two poses, in the frame of its end: the inverse of how much
 /// the odometry's covariance grew.
-fn information(from: &Key, to: &Key) -> Matrix3<f64> {
-    let dx = to.odom.x - from.odom.x;
-    let dy = to.odom.y - from.odom.y;
-    // A heading error at `from` displaces `to` by the lever between both.
-    let carried = Matrix3::new(1.0, 0.0, -dy, 0.0, 1.0, dx, 0.0, 0.0, 1.0);
-    let grown = to.covariance - carried * from.covariance * carried.transpose();
-    let turn = rotating(to.odom.yaw);
-    let mut eigen = SymmetricEigen::new(turn.transpose() * grown * turn);
-    // Where a pose is known better later, as when a scan fits the map again, odometry took back by
-    // as much what it had said between.
-    eigen.eigenvalues.apply(|value| *value = value.abs());
+fn information(from: &Reckoned, to: &Reckoned) -> Matrix3<f64> {
     let level = FINEST.metres * FINEST.metres;
     let angle = FINEST.radians * FINEST.radians;
     let finest = Matrix3::from_diagonal(&[level, level, angle].into());
-    let information = (eigen.recompose() + finest).try_inverse();
+    let information = (to.growth_since(from) + finest).try_inverse();
     let finite = information.filter(|information| information.iter().all(|x| x.is_finite()));
     finite.unwrap_or_else(Matrix3::zeros)
-}
-
-/// Sum of the variances of x and y, m².
-fn level_variance(covariance: &Matrix3<f64>) -> f64 {
-    covariance[(0, 0)] + covariance[(1, 1)]
-}
-
-/// Rotates x and y, leaves yaw.
-fn rotating(yaw: f64) -> Matrix3<f64> {
-    let (sine, cosine) = libm::sincos(yaw);
-    let mut turn = Matrix3::identity();
-    let level = Matrix2::new(cosine, -sine, sine, cosine);
-    turn.fixed_view_mut::<2, 2>(0, 0).copy_from(&level);
-    turn
 }
 
 fn isometry(pose: Pose2) -> Isometry2<f64> {
@@ -461,17 +446,17 @@ mod tests {
     use super::*;
     use crate::Track;
 
-    fn key(x: f64, deviation: f64) -> Key {
+    fn key(x: f64, deviation: f64) -> Reckoned {
         let square = deviation * deviation;
         let covariance = Matrix3::from_diagonal(&[square, square, 1e-6].into());
-        Key {
-            odom: Pose2::new(x, 0.0, 0.5),
+        Reckoned {
+            pose: Pose2::new(x, 0.0, 0.5),
             covariance,
         }
     }
 
     /// Standard deviation of the motion between two poses, as its inverse.
-    fn certainty(from: Key, to: Key) -> f64 {
+    fn certainty(from: Reckoned, to: Reckoned) -> f64 {
         1.0 / information(&from, &to).try_inverse().unwrap()[(0, 0)].sqrt()
     }
 
@@ -486,6 +471,7 @@ mod tests {
         let out_of = certainty(key(1.0, 2.0), key(2.0, 0.1));
         assert!((out_of - 0.5).abs() < 0.01, "{out_of}");
     }
+
     /// A source that finds the robot, and lost it.
     struct Finder;
 
@@ -526,8 +512,8 @@ mod tests {
         assert!(fused.pose().point().distance(MapPoint::new(3.0, 4.0)) < 1e-9);
         fused.apply(&fix);
         assert!(fused.is_located());
-        let there = fused.estimated * isometry(key(0.0, 0.1).odom);
-        let fixed = fix.pose * isometry(key(0.0, 0.1).odom);
+        let there = fused.estimated * isometry(key(0.0, 0.1).pose);
+        let fixed = fix.pose * isometry(key(0.0, 0.1).pose);
         assert!((there.translation.vector - fixed.translation.vector).norm() < 1e-9);
         assert_eq!(fused.pending(), 0.0);
     }

@@ -24,6 +24,7 @@ mod history;
 pub mod lidar_inertial;
 pub mod lio;
 mod localizer;
+mod reckoned;
 pub mod registration;
 mod so3;
 mod track;

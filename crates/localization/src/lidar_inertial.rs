@@ -143,6 +143,10 @@ impl Track for LidarInertial {
         pose.rotation *= tilt;
         pose
     }
+
+    fn deviation(&self) -> Option<Matrix3<f64>> {
+        self.covariance()
+    }
 }
 
 impl Localizer for LidarInertial {

@@ -79,6 +79,11 @@ impl Imu {
         }
     }
 
+    /// Begins a rest: the next sample notices nothing of the motion before.
+    pub(crate) fn rest(&mut self) {
+        self.last_velocity = Vector3::zeros();
+    }
+
     /// The sample at `stamp`. The specific force is the mean since the last sample.
     pub(crate) fn sample(&mut self, stamp: SimTime, physics: &Physics) -> ImuSample {
         let base = physics.base_link();

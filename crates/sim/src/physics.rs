@@ -213,6 +213,15 @@ impl Physics {
         }
     }
 
+    /// Puts the robot on the ground elsewhere, at rest.
+    pub(crate) fn put(&mut self, place: Pose2, ground: f64) {
+        let body = &mut self.world.bodies[self.body];
+        body.set_position(upright(place, ground + self.chassis_height), true);
+        body.set_linvel(Vector::ZERO, true);
+        body.set_angvel(Vector::ZERO, true);
+        (self.motors.left, self.motors.right) = (0.0, 0.0);
+    }
+
     /// Advances by one step towards the commanded velocity.
     pub(crate) fn step(&mut self, caster: &RayCaster, command: Velocity) {
         // Forces and goals of movers hold for the engine's next step, so they are set before it.

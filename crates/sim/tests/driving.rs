@@ -45,6 +45,23 @@ fn drive(simulator: &mut Simulator, velocity: Velocity, seconds: f64) -> Pose2 {
 }
 
 #[test]
+fn a_robot_that_is_carried_stands_elsewhere_and_its_imu_noticed_nothing() {
+    let mut simulator = simulator(0.0, 1);
+    drive(&mut simulator, Velocity::new(0.4, 0.0), 2.0);
+    simulator.carry_to(Pose2::new(-8.0, 5.0, 2.0));
+    simulator.step(Velocity::ZERO);
+    let there = Pose2::from_pose3(&simulator.base_link());
+    assert!(
+        (there.x + 8.0).abs() < 0.01 && (there.yaw - 2.0).abs() < 0.01,
+        "{there:?}"
+    );
+    // A stop from 0.4 m/s within a sample would be 40 m/s².
+    for sample in simulator.observation().imu {
+        assert!(sample.accel[0].abs() < 2.0 && sample.gyro[2].abs() < 0.1);
+    }
+}
+
+#[test]
 fn the_robot_settles_on_the_ground_and_stays() {
     let mut simulator = simulator(0.7, 1);
     let pose = drive(&mut simulator, Velocity::ZERO, 3.0);

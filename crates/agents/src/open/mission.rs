@@ -49,7 +49,24 @@ enum Stage {
     /// Standing at a waypoint since this instant, to look.
     Look(SimTime),
     /// Driving to the door.
-    Approach(Sighting),
+    Approach(Aim),
+}
+
+/// A door that the robot drives to.
+#[derive(Debug, Clone, PartialEq)]
+struct Aim {
+    door: Sighting,
+    /// Where the door was thought to be when the robot set out for its doorstep.
+    then: MapPoint,
+}
+
+impl Aim {
+    fn new(door: Sighting) -> Self {
+        Self {
+            then: door.position,
+            door,
+        }
+    }
 }
 
 /// The current delivery.
@@ -69,6 +86,8 @@ struct Task {
     expected: Option<Sighting>,
     /// Least distance of the next doorstep from the plate, metres.
     doorstep: f64,
+    /// Whether the robot resorts to a door that seemed to be of the building beside it.
+    is_last_resort: bool,
 }
 
 impl Task {
@@ -84,7 +103,17 @@ impl Task {
             looked: false,
             expected,
             doorstep: doorstep::NEAREST_M,
+            is_last_resort: false,
         }
+    }
+
+    /// The doors that the delivery is about.
+    fn doors_mut(&mut self) -> impl Iterator<Item = &mut Sighting> {
+        let aim = match &mut self.stage {
+            Stage::Approach(aim) => Some(&mut aim.door),
+            _ => None,
+        };
+        aim.into_iter().chain(&mut self.expected)
     }
 }
 
@@ -480,8 +509,8 @@ impl Mission {
         match &task.stage {
             Stage::SetOut | Stage::Travel => self.end_travel(task, events),
             // Obstacles seen on the way may have moved its end beside a porch.
-            Stage::Approach(door)
-                if !self.is_before(door) && task.doorstep <= doorstep::FARTHEST_M =>
+            Stage::Approach(aim)
+                if !self.is_before(&aim.door) && task.doorstep <= doorstep::FARTHEST_M =>
             {
                 self.missed(task, events)
             }
@@ -497,8 +526,8 @@ impl Mission {
     fn missed(&mut self, mut task: Task, events: &mut dyn Events) -> Next {
         match &task.stage {
             Stage::SetOut | Stage::Travel => self.end_travel(task, events),
-            Stage::Approach(door) => {
-                let door = door.clone();
+            Stage::Approach(aim) => {
+                let door = aim.door.clone();
                 self.missed_door(task, door, events)
             }
             Stage::ToWaypoint | Stage::Look(_) => {
@@ -582,7 +611,14 @@ impl Mission {
     }
 
     /// Every place was looked from, or none could be reached.
-    fn not_found(&self, task: Task, here: MapPoint) -> Next {
+    fn not_found(&mut self, mut task: Task, here: MapPoint) -> Next {
+        if let Some(door) = self.beside(task.building, &task.address)
+            && !task.is_last_resort
+        {
+            // Once, since the door may be out of reach.
+            task.is_last_resort = true;
+            return self.approach(task, door);
+        }
         if task.looked {
             let detail = format!(
                 "no plate of {} was read from any place around the building",
@@ -623,7 +659,7 @@ impl Mission {
             yaw: None,
             must: true,
         });
-        let stage = Stage::Approach(door);
+        let stage = Stage::Approach(Aim::new(door));
         Next::stand(Task {
             doorstep: step.next,
             stage,

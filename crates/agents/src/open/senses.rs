@@ -2,7 +2,7 @@
 
 use openbench_core::frames::wrap_angle;
 use openbench_core::{
-    Event, Events, Health, Observation, Pose2, PoseEstimate, RobotDescription, Work,
+    Event, Events, Health, MapPoint, Observation, Pose2, PoseEstimate, RobotDescription, Work,
 };
 use openbench_localization::Localizer;
 use openbench_localization::registration::BuildingOffset;
@@ -25,6 +25,38 @@ pub enum Finding {
     Found(f64),
     /// The robot is not where it was thought to be.
     Lost,
+}
+
+/// A change of the pose of `odom` in `map`. What was seen stays where it is in `odom`, and so moves
+/// on the map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correction {
+    /// The pose of `odom` in `map` as it was known before,
+    pub before: Pose2,
+    /// and as it is known now.
+    pub after: Pose2,
+}
+
+impl Correction {
+    /// The position of something that was seen at a point of the map.
+    pub fn point(&self, seen: MapPoint) -> MapPoint {
+        self.pose(Pose2::new(seen.x, seen.y, 0.0)).point()
+    }
+
+    /// The position and direction of something that was seen there, facing so.
+    pub fn pose(&self, seen: Pose2) -> Pose2 {
+        self.after.compose(seen.seen_from(self.before))
+    }
+}
+
+/// What an observation says.
+pub struct Sensed {
+    /// The ground around the robot, if a scan shows it.
+    pub ring: Option<RangeRing>,
+    /// How the pose of `odom` in `map` changed, if it did.
+    pub correction: Option<Correction>,
+    /// What was found out about the place of the robot.
+    pub finding: Option<Finding>,
 }
 
 /// The localizer, and the scans of the last second.
@@ -56,13 +88,8 @@ impl Senses {
         }
     }
 
-    /// Takes in all that the sensors measured, but images. Gives the ground around the robot, if a
-    /// scan shows it, and what was found out about the place of the robot.
-    pub fn take(
-        &mut self,
-        observation: &Observation<'_>,
-        events: &mut dyn Events,
-    ) -> (Option<RangeRing>, Option<Finding>) {
+    /// Takes in all that the sensors measured, but images.
+    pub fn take(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Sensed {
         let before = self.localizer.odom();
         self.localizer.update(observation);
         // By what was known before it.
@@ -76,26 +103,34 @@ impl Senses {
             events.record(Event::Work(work));
         }
         self.map_registrations = registrations;
-        let finding = self.finding(before);
-        let Some(scan) = observation.scan else {
-            return (None, finding);
+        let correction = Correction {
+            before,
+            after: self.localizer.odom(),
         };
-        if self.localizer.registers_scans() {
-            events.record(Event::Work(Work::Registration));
+        let finding = self.finding(&correction);
+        let ring = observation.scan.map(|scan| {
+            if self.localizer.registers_scans() {
+                events.record(Event::Work(Work::Registration));
+            }
+            events.record(Event::Work(Work::Mapping));
+            // After the localizer took in the same observation: the scan is undistorted with its
+            // poses.
+            self.perception.observe(scan, self.localizer.as_ref())
+        });
+        Sensed {
+            ring,
+            correction: (correction.before != correction.after).then_some(correction),
+            finding,
         }
-        events.record(Event::Work(Work::Mapping));
-        // After the localizer took in the same observation: the scan is undistorted with its poses.
-        let ring = self.perception.observe(scan, self.localizer.as_ref());
-        (Some(ring), finding)
     }
 
-    /// `before` is the pose of `odom` in `map` as it was known before the newest observation.
-    fn finding(&mut self, before: Pose2) -> Option<Finding> {
+    /// From the correction by the newest observation.
+    fn finding(&mut self, correction: &Correction) -> Option<Finding> {
         let (was_located, was_placed) = (self.is_located, self.is_placed());
         self.is_located = self.localizer.is_located();
         self.is_presumed = self.localizer.is_presumed();
         let pose = self.pose();
-        let thought = before.compose(pose.seen_from(self.localizer.odom()));
+        let thought = correction.before.compose(pose.seen_from(correction.after));
         let away = pose.point().distance(thought.point());
         let is_jump = away > JUMP_M || wrap_angle(pose.yaw - thought.yaw).abs() > JUMP_RAD;
         match (was_placed, self.is_placed()) {

@@ -162,16 +162,21 @@ pub fn recognise(
         return None;
     }
     let Location { position, facing } = located?;
-    let building = map.nearest_building(position)?;
-    let near = map.distance_to_building(building, position) <= OFF_BUILDING_M;
-    let facing = along_wall(facing, position, &map.buildings[building].polygon);
-    near.then_some(Sighting {
+    let building = building_at(map, position)?;
+    Some(Sighting {
         unit: unit.unit,
         building,
         position,
-        facing,
+        facing: along_wall(facing, position, &map.buildings[building].polygon),
         confidence,
     })
+}
+
+/// The building at which a plate is, if it is near one.
+pub fn building_at(map: &OsmMap, plate: MapPoint) -> Option<usize> {
+    let building = map.nearest_building(plate)?;
+    let is_near = map.distance_to_building(building, plate) <= OFF_BUILDING_M;
+    is_near.then_some(building)
 }
 
 /// Whether a reading that names no unit may still be of a plate that does: it has a letter and a

@@ -21,8 +21,9 @@ use super::chart::Chart;
 use super::matching::{BuildingEvidence, Matching};
 use super::refine::{Assumptions, Refined};
 use super::submap::Submap;
+use crate::reckoned::rotating;
 
-/// Odometry errs by this share of the way,
+/// Odometry errs by this share of the way, whatever it says itself,
 const DRIFT: f64 = 0.01;
 /// and turns by so many radians on each metre of it.
 const DRIFT_RAD_PER_M: f64 = 1e-4;
@@ -122,9 +123,10 @@ impl Estimate {
         &self.offsets
     }
 
-    /// The same after the robot has moved.
+    /// The same after the robot has moved; `drift` is the covariance of that motion by odometry,
+    /// in the frame of its end.
     #[must_use]
-    pub fn carried(mut self, here: Pose2) -> Self {
+    pub fn carried(mut self, here: Pose2, drift: &Matrix3<f64>) -> Self {
         let pose = self.pose.compose(here.seen_from(self.here));
         let (dx, dy) = (pose.x - self.pose.x, pose.y - self.pose.y);
         // An error of the heading displaces what lies ahead.
@@ -140,9 +142,11 @@ impl Estimate {
         }
         let way = libm::hypot(dx, dy);
         let (metres, radians) = (DRIFT * way, DRIFT_RAD_PER_M * way);
-        for (i, drift) in [metres, metres, radians].into_iter().enumerate() {
-            self.covariance[(i, i)] += drift * drift;
-        }
+        let least = Vector3::new(metres, metres, radians);
+        let least = Matrix3::from_diagonal(&least.component_mul(&least));
+        let turn = rotating(pose.yaw);
+        let mut own = self.covariance.fixed_view_mut::<3, 3>(0, 0);
+        own += turn * drift * turn.transpose() + least;
         Self { pose, here, ..self }
     }
 
@@ -457,6 +461,8 @@ fn in_chart(chart: &Chart, pose: Pose2) -> Pose2 {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
     use openbench_geometry::Polygon;
 
     use super::super::refine::refine;
@@ -491,6 +497,19 @@ mod tests {
 
     fn level_deviation(covariance: &Matrix3<f64>) -> f64 {
         libm::sqrt(covariance[(0, 0)].max(covariance[(1, 1)]))
+    }
+
+    #[test]
+    fn a_pose_is_as_uncertain_as_odometry_says() {
+        let known = begun(&town(), &town(), Pose2::new(0.0, 0.0, FRAC_PI_2));
+        let ahead = Pose2::new(5.0, 0.0, 0.0);
+        let drift = Matrix3::from_diagonal(&[0.25, 0.0, 4e-4].into());
+        let sound = known.clone().carried(ahead, &Matrix3::zeros()).covariance();
+        let poor = known.carried(ahead, &drift).covariance();
+        // The robot drives along y.
+        let more = poor - sound;
+        assert!((more[(1, 1)] - 0.25).abs() < 1e-9 && more[(0, 0)].abs() < 1e-3);
+        assert!((more[(2, 2)] - 4e-4).abs() < 1e-9);
     }
 
     #[test]
@@ -536,7 +555,7 @@ mod tests {
         let mut estimate =
             Estimate::begin(&chart, &refined, stretches[0].end, &Assumptions::default()).unwrap();
         for i in 1..stretches.len() {
-            let known = estimate.carried(stretches[i].end);
+            let known = estimate.carried(stretches[i].end, &Matrix3::zeros());
             let all = Submap::of(&stretches[..=i]);
             let newest = Submap::of(&stretches[i..=i]);
             let about = refine(&chart, &all, known.pose, &Assumptions::default()).unwrap();
@@ -557,7 +576,7 @@ mod tests {
     #[test]
     fn news_tell_another_filter_the_same() {
         let known = begun(&town(), &town(), Pose2::default());
-        let known = known.carried(Pose2::new(4.0, 0.0, 0.02));
+        let known = known.carried(Pose2::new(4.0, 0.0, 0.02), &Matrix3::zeros());
         let here = Pose2::new(4.1, 0.1, 0.0);
         let seen = Submap::of(&[stretch_at(&town(), here)]);
         let chart = chart(&town());
@@ -597,7 +616,8 @@ mod tests {
         assert!(known.agrees_with(&measured(0.5)));
         assert!(!known.agrees_with(&measured(9.0)));
         assert!(!known.agrees_with(&measured(f64::NAN)));
-        let lost = known.clone().carried(Pose2::new(f64::NAN, 0.0, 0.0));
+        let nowhere = Pose2::new(f64::NAN, 0.0, 0.0);
+        let lost = known.clone().carried(nowhere, &Matrix3::zeros());
         let seen = Submap::of(&[stretch_at(&town(), Pose2::default())]);
         let chart = chart(&town());
         let about = refine(&chart, &seen, Pose2::default(), &Assumptions::default()).unwrap();

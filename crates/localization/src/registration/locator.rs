@@ -3,8 +3,9 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use nalgebra::Matrix3;
 use openbench_core::frames::wrap_angle;
-use openbench_core::{Pose2, Start};
+use openbench_core::{MapPoint, Pose2, Start};
 use openbench_geometry::Bounds;
 use openbench_osm::OsmMap;
 
@@ -47,8 +48,12 @@ const IN_SIGHT: f64 = 0.1;
 /// Once the robot is localized, so many poses in turn that explain too little, or are elsewhere,
 /// say that it is not.
 const DOUBTS: usize = 3;
-/// After that the robot is this far from where it was thought to be, metres.
+/// After that the robot is this far from where it was thought to be, metres;
 const LOST_M: f64 = 75.0;
+/// twice as far each time it drives this far and is not found, metres,
+const WIDEN_M: f64 = 60.0;
+/// and so often at most: the time of a search grows with the area.
+const MOST_WIDENINGS: i32 = 2;
 
 /// A pose of the robot on the map.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,8 +130,29 @@ pub struct Locator {
     /// What to go on with until a pose is accepted.
     presumed: Option<Estimate>,
     doubts: usize,
-    /// Whether the robot turned out to be elsewhere, and was not found since.
-    is_lost: bool,
+    /// Where the robot turned out not to be, if it was not found since.
+    lost: Option<Lost>,
+}
+
+/// A robot that turned out to be elsewhere.
+#[derive(Debug, Clone, Copy)]
+struct Lost {
+    /// Where it was thought to be,
+    from: MapPoint,
+    /// and after how many metres.
+    driven_m: f64,
+    /// How often the area was doubled in which it is searched.
+    widenings: i32,
+}
+
+impl Lost {
+    /// Where it can be.
+    fn prior(&self) -> Option<Prior> {
+        Prior::new(&Start::Area {
+            centre: self.from,
+            radius_m: LOST_M * f64::powi(2.0, self.widenings),
+        })
+    }
 }
 
 impl Locator {
@@ -149,7 +175,7 @@ impl Locator {
             estimate: None,
             presumed: None,
             doubts: 0,
-            is_lost: false,
+            lost: None,
         }
     }
 
@@ -176,14 +202,25 @@ impl Locator {
 
     /// Whether the robot turned out not to be where it was thought to be, and was not found since.
     pub fn is_lost(&self) -> bool {
-        self.is_lost
+        self.lost.is_some()
     }
 
     /// Searches anew, after the robot may have been carried away.
     pub fn lose(&mut self) {
-        match self.estimate.take() {
+        match self.estimate.take().or(self.presumed.take()) {
             Some(known) => self.give_up(&known),
             None => self.forget_way(),
+        }
+    }
+
+    /// Takes in that odometry contradicted itself. A known pose is given up as soon as what is seen
+    /// next does not confirm it.
+    pub fn distrust(&mut self) {
+        if self.is_located() {
+            self.forget_way();
+            self.doubts = DOUBTS - 1;
+        } else {
+            self.lose();
         }
     }
 
@@ -200,13 +237,13 @@ impl Locator {
     /// Takes in a first look around, before a stretch has ended.
     pub fn look(&mut self, first: &Stretch) -> Option<Measured> {
         let submap = Submap::of(std::slice::from_ref(first));
-        self.consider(&submap, &submap, first.end)
+        self.consider(&submap, &submap, first.end, &Matrix3::zeros())
     }
 
     /// Takes in a stretch. If a pose is accepted, gives what the stretch says about the pose at its
     /// end; at first what all of them say.
     pub fn take(&mut self, stretch: Stretch) -> Option<Measured> {
-        let here = stretch.end;
+        let (here, drift) = (stretch.end, Matrix3::from(stretch.drift));
         let newest = Submap::of(std::slice::from_ref(&stretch));
         self.driven_m += stretch.metres;
         self.way.push_back(stretch);
@@ -214,11 +251,19 @@ impl Locator {
             self.way.pop_front();
         }
         let submap = Submap::of(self.way.make_contiguous());
-        self.consider(&submap, &newest, here)
+        self.consider(&submap, &newest, here, &drift)
     }
 
-    /// Compares the last stretches, and the newest of them alone, with the map.
-    fn consider(&mut self, submap: &Submap, newest: &Submap, here: Pose2) -> Option<Measured> {
+    /// Compares the last stretches, and the newest of them alone, with the map. `drift` is the
+    /// covariance of the way since the stretch before.
+    fn consider(
+        &mut self,
+        submap: &Submap,
+        newest: &Submap,
+        here: Pose2,
+        drift: &Matrix3<f64>,
+    ) -> Option<Measured> {
+        self.widen();
         let since = *self.since.get_or_insert(here);
         let prior = self.prior?.after(here.seen_from(since));
         self.reach(&prior)?;
@@ -234,10 +279,21 @@ impl Locator {
         self.bank = bank;
         let measured = match self.estimate.take() {
             None => self.find(here),
-            Some(known) => self.follow(known.carried(here), newest),
+            Some(known) => self.follow(known.carried(here, drift), newest),
         };
         self.presume(here);
         measured
+    }
+
+    /// Searches a robot that was not found for a while in a larger area.
+    fn widen(&mut self) {
+        let Some(lost) = &mut self.lost else { return };
+        let due = ((self.driven_m - lost.driven_m) / WIDEN_M) as i32;
+        let due = due.min(MOST_WIDENINGS);
+        if due > lost.widenings {
+            lost.widenings = due;
+            self.prior = lost.prior();
+        }
     }
 
     /// Makes the chart reach as far as the robot may see.
@@ -288,7 +344,7 @@ impl Locator {
             pose: estimate.pose,
             information: estimate.covariance().try_inverse()?,
         };
-        self.is_lost = false;
+        self.lost = None;
         self.keep(estimate);
         Some(measured)
     }
@@ -361,12 +417,14 @@ impl Locator {
 
     /// Begins anew near where the robot was thought to be.
     fn give_up(&mut self, known: &Estimate) {
-        self.is_lost = true;
         self.forget_way();
-        self.prior = Prior::new(&Start::Area {
-            centre: known.pose.point(),
-            radius_m: LOST_M,
-        });
+        let lost = Lost {
+            from: known.pose.point(),
+            driven_m: self.driven_m,
+            widenings: 0,
+        };
+        self.prior = lost.prior();
+        self.lost = Some(lost);
         self.since = Some(known.here);
     }
 
@@ -504,32 +562,74 @@ mod tests {
         assert_eq!(locator.presumed(), None);
     }
 
-    #[test]
-    fn a_robot_that_was_carried_away_notices() {
+    /// A robot that was carried to another road, while odometry went on, and what it sees there.
+    fn carried_away() -> (Locator, Vec<Stretch>) {
         let town = village(7);
         let start = Start::exact(Pose2::new(-40.0, 50.0, 0.0));
         let mut locator = locator(&town, start);
         driven(&mut locator, &town, &road(-40.0, 50.0, 8));
         assert!(locator.is_located());
-        // To another road, while odometry goes on.
-        let mut stretches = way(&town, &road(-30.0, 100.0, 16));
         let carried = Pose2::new(35.0, 0.0, 0.0);
-        for stretch in &mut stretches {
-            stretch.end = carried.compose(stretch.end);
-            for facade in &mut stretch.facades {
-                facade.at = carried.transform(facade.at.x, facade.at.y);
-            }
-            for panorama in &mut stretch.panoramas {
-                panorama.from = carried.transform(panorama.from.x, panorama.from.y);
-            }
-        }
-        let mut noticed = false;
-        for stretch in stretches {
+        let there = way(&town, &road(-30.0, 100.0, 16));
+        let there = there.iter().map(|stretch| stretch.moved(carried)).collect();
+        (locator, there)
+    }
+
+    /// After how many stretches it notices.
+    fn notices(locator: &mut Locator, there: Vec<Stretch>) -> Option<usize> {
+        let mut noticed = None;
+        for (number, stretch) in there.into_iter().enumerate() {
             locator.take(stretch);
             assert_eq!(locator.is_lost(), !locator.is_located());
-            noticed |= locator.is_lost();
+            if locator.is_lost() {
+                noticed = noticed.or(Some(number + 1));
+            }
         }
-        assert!(noticed);
+        noticed
+    }
+
+    #[test]
+    fn a_robot_that_was_carried_away_notices() {
+        let (mut locator, there) = carried_away();
+        let stretches = notices(&mut locator, there);
+        assert!(
+            stretches.is_some_and(|count| count >= DOUBTS),
+            "{stretches:?}"
+        );
+    }
+
+    #[test]
+    fn after_odometry_contradicted_itself_it_notices_at_once() {
+        let (mut locator, there) = carried_away();
+        locator.distrust();
+        assert!(locator.is_located());
+        assert_eq!(notices(&mut locator, there), Some(1));
+    }
+
+    #[test]
+    fn a_robot_that_is_not_found_is_searched_in_a_larger_area() {
+        let (mut locator, there) = carried_away();
+        locator.lose();
+        // It sees nothing that tells where it is.
+        let blind = |stretch: &Stretch| Stretch {
+            facades: Vec::new(),
+            panoramas: Vec::new(),
+            ..stretch.clone()
+        };
+        let radius = |locator: &Locator| match locator.prior.unwrap().start() {
+            Start::Area { radius_m, .. } => *radius_m,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(radius(&locator), LOST_M);
+        let way = there.iter().cycle().take(60).map(blind);
+        let radii: Vec<f64> = way
+            .map(|stretch| {
+                locator.take(stretch);
+                radius(&locator)
+            })
+            .collect();
+        assert!(radii.contains(&(2.0 * LOST_M)));
+        assert_eq!(radii.last(), Some(&(4.0 * LOST_M)));
     }
 
     #[test]

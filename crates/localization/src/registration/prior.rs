@@ -68,6 +68,12 @@ impl Prior {
         }
     }
 
+    /// What is known about the start.
+    #[cfg(test)]
+    pub(super) fn start(&self) -> &Start {
+        &self.start
+    }
+
     /// The same after the robot has moved; `motion` is its pose in the frame of its start.
     #[must_use]
     pub fn after(self, motion: Pose2) -> Self {

@@ -53,6 +53,11 @@ impl Registrar {
         self.locator.estimate().or(self.locator.presumed())
     }
 
+    /// Begins with a look around.
+    fn look_anew(&mut self) {
+        (self.gatherer, self.scans) = (Gatherer::new(self.lidar), 0);
+    }
+
     fn locate(&mut self, scan: &LidarScan, track: &dyn Track) -> Option<Measured> {
         let ended = self.gatherer.take(scan, track);
         self.scans = self.scans.saturating_add(1);
@@ -93,7 +98,12 @@ impl FixSource for Registrar {
 
     fn lose(&mut self) {
         self.locator.lose();
-        (self.gatherer, self.scans) = (Gatherer::new(self.lidar), 0);
+        self.look_anew();
+    }
+
+    fn distrust(&mut self) {
+        self.locator.distrust();
+        self.look_anew();
     }
 
     fn map_registrations(&self) -> u64 {

@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use openbench_core::frames::wrap_angle;
 use openbench_core::{LidarScan, MapPoint, Pose2, Pose3};
 
+use crate::reckoned::Reckoned;
 use crate::track::Track;
 
 use super::columns::{CELL_M, Columns, Facade, Label, Sight, Surveyed};
@@ -52,6 +53,9 @@ pub struct Stretch {
     pub end: Pose2,
     /// Distance driven, metres.
     pub metres: f64,
+    /// Covariance of the motion since the end of the stretch before, as odometry has it, in the
+    /// frame of `end`: forward, left, yaw; m² and rad².
+    pub drift: [[f64; 3]; 3],
     /// Pieces of facades.
     pub facades: Vec<Facade>,
     /// What was free, from places about a metre apart.
@@ -64,6 +68,8 @@ pub struct Gatherer {
     /// Pose of the LiDAR in `base_link`.
     lidar: Pose3,
     open: Option<Open>,
+    /// The end of the last stretch; where there is none, the beginning of this one.
+    since: Option<Reckoned>,
 }
 
 /// A stretch that has not ended.
@@ -101,6 +107,7 @@ impl Stretch {
         Self {
             end: by.compose(self.end),
             metres: self.metres,
+            drift: self.drift,
             facades: facades.collect(),
             panoramas: panoramas.collect(),
         }
@@ -123,7 +130,11 @@ impl Panorama {
 impl Gatherer {
     /// For a LiDAR at this pose in `base_link`.
     pub fn new(lidar: Pose3) -> Self {
-        Self { lidar, open: None }
+        Self {
+            lidar,
+            open: None,
+            since: None,
+        }
     }
 
     /// Adds a scan, and returns the stretch if the scan ends one. Geometry alone decides what a
@@ -149,8 +160,13 @@ impl Gatherer {
         }
         let jumped = |open: &mut Open| open.last.point().distance(here.point()) > JUMP_M;
         if self.open.as_mut().is_some_and(jumped) {
-            self.open = None;
+            (self.open, self.since) = (None, None);
         }
+        let now = Reckoned {
+            pose: here,
+            covariance: track.deviation().unwrap_or_else(Matrix3::zeros),
+        };
+        let since = *self.since.get_or_insert(now);
         let open = self.open.get_or_insert_with(|| Open::at(here));
         if !open.is_due(here) {
             return None;
@@ -163,14 +179,16 @@ impl Gatherer {
         if open.metres < STRETCH_M {
             return None;
         }
-        let ended = open.stretch();
-        self.open = None;
+        let ended = open.stretch(now.growth_since(&since));
+        (self.open, self.since) = (None, Some(now));
         Some(ended)
     }
 
-    /// The stretch as it is now; `None` before the first scan.
+    /// The stretch as it is now, without a drift; `None` before the first scan.
     pub fn unfinished(&self) -> Option<Stretch> {
-        self.open.as_ref().map(Open::stretch)
+        self.open
+            .as_ref()
+            .map(|open| open.stretch(Matrix3::zeros()))
     }
 }
 
@@ -254,12 +272,13 @@ impl Open {
         }
     }
 
-    fn stretch(&self) -> Stretch {
+    fn stretch(&self, drift: Matrix3<f64>) -> Stretch {
         let surveyed = self.columns.survey();
         let panoramas = self.views.iter().map(|view| view.panorama(&surveyed));
         Stretch {
             end: self.last,
             metres: self.metres,
+            drift: drift.into(),
             panoramas: panoramas.collect(),
             facades: surveyed.facades,
         }

@@ -13,7 +13,8 @@ const RANDOM_STREAM: u64 = 37;
 const TURN_PER_DRIFT: f64 = 100.0 / 268.0;
 
 /// The same drive with an odometry that errs by a share of the way: each leg is longer by it, and
-/// the heading walks at random. What is seen on a leg, seen from its end, stays the same.
+/// the heading walks at random. Odometry knows how much, not in which direction. What is seen on a
+/// leg, seen from its end, stays the same.
 #[must_use]
 pub fn drifting(drive: &Drive, share: f64, seed: u64) -> Drive {
     let mut noise = Noise::new(seed, RANDOM_STREAM);
@@ -31,9 +32,15 @@ pub fn drifting(drive: &Drive, share: f64, seed: u64) -> Drive {
         before = end;
         // From the frame of the odometry to that of the worse one.
         let by = drifted.compose(Pose2::default().seen_from(end));
+        let mut whole = moved(&leg.whole, by);
+        let along = share * libm::hypot(motion.x, motion.y);
+        let turned = TURN_PER_DRIFT * share;
+        for (i, error) in [along, along, turned].into_iter().enumerate() {
+            whole.stretch.drift[i][i] += error * error;
+        }
         Leg {
             first: moved(&leg.first, by),
-            whole: moved(&leg.whole, by),
+            whole,
         }
     });
     Drive {
@@ -60,6 +67,7 @@ mod tests {
             stretch: Stretch {
                 end: Pose2::new(x, 0.0, 0.0),
                 metres: 5.0,
+                drift: [[0.0; 3]; 3],
                 facades: Vec::new(),
                 panoramas: Vec::new(),
             },

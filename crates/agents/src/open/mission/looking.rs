@@ -119,13 +119,17 @@ impl Mission {
         self.go_to(task, view)
     }
 
-    /// Reads what the camera happens to see on the way, near the building.
+    /// Reads what the camera happens to see on the way, near the building, unless the pose was
+    /// corrected so far that the target changes by that alone.
     pub(super) fn glance(
         &mut self,
         task: &mut Task,
         observation: &Observation<'_>,
         events: &mut dyn Events,
     ) -> Glimpse {
+        if let Some(moved) = moved_door(task) {
+            return moved;
+        }
         if !self.is_new_view(observation.time) || !self.faces(task.building) {
             return Glimpse::Nothing;
         }
@@ -169,7 +173,7 @@ impl Mission {
         };
         // A door known only from the map is not among the sightings, so no readings of it can be
         // compared.
-        self.seen.contains(aim) && !sighting::is_trusted(aim, &self.seen)
+        self.seen.contains(&aim.door) && !sighting::is_trusted(&aim.door, &self.seen)
     }
 
     /// Whether the camera faces a building from near enough to read its plates.
@@ -203,8 +207,7 @@ impl Mission {
                 continue;
             }
             let map = self.memory.ground();
-            let its = map.nearest_building(plate) == Some(task.building)
-                && map.distance_to_building(task.building, plate) <= sighting::OFF_BUILDING_M;
+            let its = sighting::building_at(map, plate) == Some(task.building);
             if its && self.unreadable.len() < MOST_UNREADABLE {
                 self.unreadable.push(plate);
                 task.waypoints.extend(exploration::before_plate(
@@ -278,12 +281,42 @@ impl Mission {
             .find(|s| sighting::is_trusted(s, &self.seen))
             .cloned()
     }
+
+    /// The nearest plate with the unit of an address that seemed to be at the building beside it.
+    /// Where houses adjoin, that depends on a metre, which a map may be off.
+    pub(super) fn beside(&self, building: usize, address: &Address) -> Option<Sighting> {
+        let map = self.memory.ground();
+        let away = |s: &Sighting| map.distance_to_building(building, s.position);
+        let fitting = self.seen.iter().filter(|s| {
+            s.building != building
+                && fits(s, s.building, address)
+                && away(s) <= sighting::OFF_BUILDING_M
+                && sighting::is_trusted(s, &self.seen)
+        });
+        let nearest = fitting.min_by(|a, b| away(a).total_cmp(&away(b)))?;
+        Some(Sighting {
+            building,
+            ..nearest.clone()
+        })
+    }
+}
+
+/// What a correction of the pose says about the door that the robot drives to.
+fn moved_door(task: &Task) -> Option<Glimpse> {
+    let Stage::Approach(aim) = &task.stage else {
+        return None;
+    };
+    if aim.door.building != task.building {
+        return Some(Glimpse::Refuted);
+    }
+    let is_elsewhere = wants(task, &aim.door);
+    is_elsewhere.then(|| Glimpse::Door(aim.door.clone()))
 }
 
 /// Whether a door that was just seen changes the robot's target.
 fn wants(task: &Task, door: &Sighting) -> bool {
     match &task.stage {
-        Stage::Approach(aim) => aim.position.distance(door.position) > CORRECTION_M,
+        Stage::Approach(aim) => aim.then.distance(door.position) > CORRECTION_M,
         // A known door is first looked at from in front of it.
         _ => task.expected.is_none(),
     }
@@ -298,6 +331,7 @@ fn fits(sighting: &Sighting, building: usize, address: &Address) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Aim;
     use super::*;
 
     fn address(unit: Option<&str>) -> Address {
@@ -334,7 +368,7 @@ mod tests {
     #[test]
     fn a_door_is_approached_anew_only_if_it_moved_notably() {
         let mut task = Task::new(address(Some("unit1")), 0, None);
-        task.stage = Stage::Approach(door("unit1", 0.0));
+        task.stage = Stage::Approach(Aim::new(door("unit1", 0.0)));
         assert!(!wants(&task, &door("unit1", 0.9 * CORRECTION_M)));
         assert!(wants(&task, &door("unit1", 1.1 * CORRECTION_M)));
     }

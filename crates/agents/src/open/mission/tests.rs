@@ -358,7 +358,10 @@ fn a_robot_goes_on_where_it_probably_is_and_sets_out_again_where_it_is_not() {
     said.lock().unwrap().is_located = true;
     said.lock().unwrap().away = 3.15;
     mission.act(&observation(150, &Shutter(false)), &mut events);
-    assert!(mission.seen.is_empty() && mission.task.is_some());
+    assert!(mission.task.is_some());
+    // The plate is where it was seen from the robot.
+    let seen = mission.seen[0].position;
+    assert!(seen.distance(MapPoint::new(-3.15, 3.0)) < 1e-9, "{seen}");
     assert!(
         matches!(&events[0], Event::Note(note) if note.contains("is 3.1 m from")),
         "{events:?}"
@@ -373,15 +376,81 @@ fn a_robot_that_was_carried_away_searches_and_sets_out_again() {
     mission.seen.push(door("unit1", 0.9));
     said.lock().unwrap().is_located = false;
     act(&mut mission, 100, &Shutter(false));
-    assert!(mission.locating.is_some());
-    assert_eq!(mission.seen.len(), 1);
+    assert!(mission.locating.is_some() && mission.seen.is_empty());
     said.lock().unwrap().is_located = true;
     act(&mut mission, 150, &Shutter(false));
-    assert!(mission.seen.is_empty() && mission.task.is_some());
+    assert!(mission.locating.is_none() && mission.task.is_some());
     // Only once.
     mission.seen.push(door("unit1", 0.9));
     act(&mut mission, 200, &Shutter(false));
     assert_eq!(mission.seen.len(), 1);
+}
+
+#[test]
+fn a_door_that_was_seen_moves_when_the_pose_is_corrected() {
+    let address = Address::new("building1", "unit1");
+    let (mut mission, said) = mission(std::slice::from_ref(&address));
+    act(&mut mission, 50, &Shutter(false));
+    mission.seen.push(door("unit1", 0.9));
+    let task = mission.task.take().unwrap();
+    let Next::GoOn(task, _) = mission.approach(task, door("unit1", 0.9)) else {
+        panic!("on its way")
+    };
+    mission.task = Some(*task);
+    let aim = |mission: &Mission| match &mission.task.as_ref().unwrap().stage {
+        Stage::Approach(aim) => aim.clone(),
+        other => panic!("{other:?}"),
+    };
+    // A few centimetres change where the door is, and not where the robot drives.
+    said.lock().unwrap().away = 0.05;
+    act(&mut mission, 100, &Shutter(false));
+    let moved = aim(&mission);
+    assert_eq!((moved.door.position.x, moved.then.x), (-0.05, 0.0));
+    assert_eq!(mission.seen[0], moved.door);
+    // Slowly, since a jump is a finding of its own.
+    for step in 1..=10 {
+        said.lock().unwrap().away = 0.05 + 0.05 * f64::from(step);
+        act(&mut mission, 100 + 50 * step as u64, &Shutter(false));
+    }
+    let moved = aim(&mission);
+    assert!((moved.door.position.x + 0.55).abs() < 1e-9);
+    assert!(moved.then.x < -0.2, "{}", moved.then);
+}
+
+#[test]
+fn a_plate_that_turns_out_to_be_at_another_building_is_not_the_door() {
+    let mut mission = looking();
+    let mut task = mission.task.take().unwrap();
+    task.stage = Stage::Approach(Aim::new(Sighting {
+        building: 1,
+        ..door("unit1", 0.9)
+    }));
+    let events = &mut Discard;
+    let glimpse = mission.glance(&mut task, &observation(50, &Shutter(false)), events);
+    assert!(matches!(glimpse, Glimpse::Refuted));
+}
+
+#[test]
+fn a_plate_at_the_building_beside_is_the_last_resort() {
+    let mut mission = looking();
+    let address = Address::new("building1", "unit1");
+    let at = |x: f64, unit: &str| Sighting {
+        building: 1,
+        position: MapPoint::new(x, 3.0),
+        ..door(unit, 0.9)
+    };
+    mission.seen = vec![at(-9.0, "unit1"), at(-0.2, "unit7")];
+    assert_eq!(mission.beside(0, &address), None);
+    mission.seen.extend([at(-3.0, "unit1"), at(-1.5, "unit1")]);
+    assert_eq!(mission.beside(0, &address).unwrap().position.x, -1.5);
+    // Once: it may be out of reach.
+    let (task, here) = (mission.task.take().unwrap(), MapPoint::new(-8.0, 3.0));
+    let Next::GoOn(mut task, _) = mission.not_found(task, here) else {
+        panic!("on its way")
+    };
+    assert!(matches!(task.stage, Stage::Approach(_)));
+    task.looked = true;
+    assert!(matches!(mission.not_found(*task, here), Next::End(_)));
 }
 
 /// A mission that stands at a waypoint since the time zero.

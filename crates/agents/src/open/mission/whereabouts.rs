@@ -1,22 +1,30 @@
 //! Where the robot is: what its sensors say, and what the mission does until it knows.
 
 use openbench_core::{
-    Action, Event, Events, FailureCause, GiveUp, MapPoint, Observation, SimTime, Velocity,
+    Action, Event, Events, FailureCause, GiveUp, MapPoint, Observation, Pose2, SimTime, Velocity,
 };
 use openbench_motion::costmap::Preferences;
 use openbench_osm::{OsmData, OsmMap};
 use openbench_routing::Router;
 
 use crate::open::locating::{Limit, Locating, Search};
-use crate::open::senses::Finding;
+use crate::open::senses::{Correction, Finding, Sensed};
+use crate::open::sighting::{self, Sighting};
 use crate::open::terrain::Terrain;
 
-use super::{Guess, Mission, Stage, all, driver, unusable};
+use super::{Guess, Mission, Stage, Task, all, driver, unusable};
 
 impl Mission {
     /// Takes in what the sensors measured.
     pub(super) fn sense(&mut self, observation: &Observation<'_>, events: &mut dyn Events) {
-        let (ring, finding) = self.senses.take(observation, events);
+        let Sensed {
+            ring,
+            correction,
+            finding,
+        } = self.senses.take(observation, events);
+        if let Some(correction) = correction {
+            self.correct(&correction);
+        }
         match finding {
             Some(Finding::Found(away)) => self.found(away, events),
             Some(Finding::Lost) => self.lost(events),
@@ -40,8 +48,31 @@ impl Mission {
         }
         if self.memory.correct(self.senses.building_offsets()) {
             self.driver.set_map(self.memory.ground().clone());
+            self.tell_buildings();
         }
         self.senses.announce(events);
+    }
+
+    /// Moves all plates that were seen, and the door that the robot drives to if it is one of them.
+    fn correct(&mut self, by: &Correction) {
+        for door in doors_seen(&mut self.task, &mut self.seen) {
+            let there = Pose2::new(door.position.x, door.position.y, door.facing);
+            let there = by.pose(there);
+            (door.position, door.facing) = (there.point(), there.yaw);
+        }
+        let plates = self.unreadable.iter_mut();
+        for plate in plates.chain(&mut self.uncertain_plates) {
+            *plate = by.point(*plate);
+        }
+    }
+
+    /// Tells anew at which buildings the plates are that were seen: those are elsewhere now.
+    fn tell_buildings(&mut self) {
+        let ground = self.memory.ground();
+        for door in doors_seen(&mut self.task, &mut self.seen) {
+            // One that is at none any more is left where it was.
+            door.building = sighting::building_at(ground, door.position).unwrap_or(door.building);
+        }
     }
 
     /// Whether the robot first has to find out where it is.
@@ -49,7 +80,7 @@ impl Mission {
         !self.senses.is_placed() && self.guess != Guess::Taken
     }
 
-    /// What was seen before is where the robot was thought to be.
+    /// Obstacles that were seen before are where the robot was thought to be.
     fn found(&mut self, away: f64, events: &mut dyn Events) {
         let way = self.locating.take().map(|search| search.metres());
         let search = way.map_or(String::new(), |way| {
@@ -72,14 +103,16 @@ impl Mission {
             "the robot is not where it was thought to be, and is searched for".into(),
         ));
         self.guess = Guess::Missing;
+        // Where these plates are on the map is known no better than where the robot was.
+        self.seen.clear();
     }
 
-    /// Forgets what was seen elsewhere, and sets out again from here.
+    /// Forgets obstacles that were seen elsewhere, and sets out again from here.
     fn begin_anew(&mut self) {
         self.memory.forget_corrections();
         self.driver.set_map(self.memory.ground().clone());
         self.driver.forget_seen(self.senses.pose().point());
-        self.seen.clear();
+        self.tell_buildings();
         if let Some(task) = &mut self.task {
             (task.stage, task.place) = (Stage::SetOut, None);
         }
@@ -150,4 +183,15 @@ impl Mission {
         self.begin_anew();
         Action::Drive(Velocity::ZERO)
     }
+}
+
+/// All doors that were seen, and those of a delivery that are among them: what only the map says
+/// does not move with what is seen.
+fn doors_seen<'a>(
+    task: &'a mut Option<Task>,
+    seen: &'a mut [Sighting],
+) -> impl Iterator<Item = &'a mut Sighting> {
+    let own = task.iter_mut().flat_map(Task::doors_mut);
+    let own: Vec<_> = own.filter(|door| seen.contains(door)).collect();
+    seen.iter_mut().chain(own)
 }

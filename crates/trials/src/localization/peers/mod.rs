@@ -145,6 +145,7 @@ mod tests {
         Stretch {
             end: Pose2::new(end.x, end.y, truth.yaw - FRAC_PI_2),
             metres,
+            drift: [[0.0; 3]; 3],
             facades: (0..40)
                 .map(south)
                 .chain((0..34).map(west))
