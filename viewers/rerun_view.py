@@ -21,7 +21,7 @@ PATHS = {
     "/path": [40, 130, 240],
     "/waypoints": [170, 90, 200],
 }
-MARKERS = ["/map/markers", "/ground_truth/doors", "/found"]
+MARKERS = ["/map/markers", "/ground_truth/doors", "/found", "/facades"]
 # Of visualization_msgs/Marker.
 CUBE, SPHERE, LINE_LIST, TEXT = 1, 2, 5, 9
 

@@ -93,6 +93,8 @@ def run(args, conditions):
     out = args.folder / folder
     words = [args.openbench, "run", args.suite, "--agent", args.agent, "--seeds", args.seeds]
     words += ["--jobs", str(args.jobs), "--record", "none", "--out", str(out)]
+    for setting in args.set:
+        words += ["--set", setting]
     for condition in conditions:
         words += ["--condition", condition]
     subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
@@ -174,6 +176,7 @@ def main():
     parser.add_argument("suite")
     parser.add_argument("--seeds", default="10000..10004")
     parser.add_argument("--agent", default="open")
+    parser.add_argument("--set", nargs="*", default=[], help="settings, such as fixes=osm")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--levels", nargs="*", help="only these, such as light=dusk")
     parser.add_argument("--deliveries", type=pathlib.Path, help="a CSV file that keeps them")

@@ -6,7 +6,8 @@
 //! without rotation or scale.
 
 use openbench_core::{
-    Briefing, CostGrid, Event, Events, GnssFix, Goal, MapPoint, Observation, Pose2, PoseEstimate,
+    AcceptedPose, Briefing, CostGrid, Event, Events, GnssFix, Goal, Hypothesis, MapComparison,
+    MapPoint, Observation, Pose2, PoseEstimate,
 };
 
 /// A start nearer to the origin than this keeps its frame.
@@ -102,6 +103,23 @@ impl Border {
         Pose2::new(pose.x + self.shift.x, pose.y + self.shift.y, pose.yaw)
     }
 
+    fn comparison_outwards(&self, comparison: MapComparison) -> MapComparison {
+        let hypotheses = comparison.hypotheses.into_iter().map(|one| Hypothesis {
+            pose: self.pose_outwards(one.pose),
+            ..one
+        });
+        let accepted = comparison.accepted.map(|accepted| AcceptedPose {
+            pose: self.pose_outwards(accepted.pose),
+            ..accepted
+        });
+        let facades = comparison.facades.into_iter();
+        MapComparison {
+            hypotheses: hypotheses.collect(),
+            accepted,
+            facades: facades.map(|at| self.outwards(at)).collect(),
+        }
+    }
+
     fn event_outwards(&self, event: Event) -> Event {
         let points = |points: Vec<MapPoint>| points.into_iter().map(|p| self.outwards(p)).collect();
         match event {
@@ -116,6 +134,9 @@ impl Border {
                     pose: self.pose_outwards(pose),
                     health,
                 })
+            }
+            Event::MapComparison(comparison) => {
+                Event::MapComparison(self.comparison_outwards(comparison))
             }
             Event::Waypoints(poses) => Event::Waypoints(
                 poses

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::address::Address;
+use crate::comparison::MapComparison;
 use crate::frames::{MapPoint, Pose2};
 use crate::health::Health;
 use crate::model_use::ModelUse;
@@ -49,6 +50,8 @@ pub enum Event {
     Costmap(CostGrid),
     /// The agent's estimate of its pose.
     PoseEstimate(PoseEstimate),
+    /// Where the agent may be, by what it sees of its map.
+    MapComparison(MapComparison),
     /// Candidate poses from which to look for a door.
     Waypoints(Vec<Pose2>),
     /// A plate was read in an image.

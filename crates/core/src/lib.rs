@@ -17,12 +17,14 @@
 //! | [`model_use`] | [`ModelUse`]: use of language and vision models |
 //! | [`registry`] | [`Registry`]: exchangeable parts by name |
 //! | [`causes`] | [`with_causes`]: an error and its causes as text |
+//! | [`comparison`] | [`MapComparison`]: what an agent finds when it looks for itself on its map |
 //! | [`events`] | [`Event`], [`Events`]: what an agent reports for the log |
 //! | [`work`] | [`Work`]: what an agent computes |
 
 pub mod address;
 pub mod agent;
 pub mod causes;
+pub mod comparison;
 pub mod distortion;
 pub mod events;
 pub mod frames;
@@ -41,6 +43,7 @@ pub mod work;
 pub use address::Address;
 pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation, Velocity};
 pub use causes::with_causes;
+pub use comparison::{AcceptedPose, Hypothesis, MapComparison};
 pub use distortion::{Distortion, PlanePoint};
 pub use events::{CostGrid, Discard, Event, Events, PoseEstimate};
 pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};

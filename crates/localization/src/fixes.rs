@@ -1,7 +1,7 @@
 //! Global fixes: poses in `map`, from a source that does not drift.
 
 use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2};
-use openbench_core::{GnssFix, Observation, Pose2, SimTime};
+use openbench_core::{GnssFix, MapComparison, Observation, Pose2, SimTime};
 
 use crate::deviation::PoseDeviation;
 use crate::registration::BuildingOffset;
@@ -80,6 +80,11 @@ pub trait FixSource {
     /// How often it compared what was seen with a map.
     fn map_registrations(&self) -> u64 {
         0
+    }
+
+    /// What was found when it last compared what was seen with a map.
+    fn comparison(&self) -> Option<MapComparison> {
+        None
     }
 
     /// How far buildings are from where the map shows them, if the robot is where a fix or the

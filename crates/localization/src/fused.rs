@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2, Vector3};
 use openbench_core::frames::wrap_angle;
-use openbench_core::{Doubt, Health, Observation, Pose2, RobotDescription, SimTime};
+use openbench_core::{Doubt, Health, MapComparison, Observation, Pose2, RobotDescription, SimTime};
 
 use crate::deviation::PoseDeviation;
 use crate::fixes::{Fix, FixSource};
@@ -32,6 +32,11 @@ const MAX_FIX_DISTANCE_M: f64 = 1e6;
 const START: PoseDeviation = PoseDeviation {
     metres: 0.05,
     radians: 0.01,
+};
+/// How well a pose is known of which nothing is known.
+const NOWHERE: PoseDeviation = PoseDeviation {
+    metres: 1e5,
+    radians: std::f64::consts::PI,
 };
 /// A robot whose start is known no better than this is searched for first, metres.
 const LOCATED_M: f64 = 4.0;
@@ -143,12 +148,23 @@ impl Fused {
         if !is_found_again {
             return;
         }
-        let is_thought_somewhere = self.is_located || self.is_presumed;
+        let was_located = self.is_located;
+        let is_thought_somewhere = was_located || self.is_presumed;
         if is_thought_somewhere && self.health() == Health::Lost {
             self.sources.iter_mut().for_each(|source| source.lose());
             (self.is_located, self.is_presumed) = (false, false);
         }
         self.is_located &= !self.sources.iter().any(|source| source.is_lost());
+        if was_located && !self.is_located {
+            self.forget();
+        }
+    }
+
+    /// Begins the graph anew without knowing where the robot is. By what was known before, all
+    /// fixes elsewhere would be outliers.
+    fn forget(&mut self) {
+        let Some(key) = self.key else { return };
+        self.window = window(self.published * isometry(key.pose), NOWHERE);
     }
 
     /// Attaches a fix to the newest pose of the graph, by the motion between them, and solves the
@@ -366,6 +382,10 @@ impl Localizer for Fused {
         all.sum()
     }
 
+    fn comparison(&self) -> Option<MapComparison> {
+        self.sources.iter().find_map(|source| source.comparison())
+    }
+
     fn building_offsets(&self) -> &[BuildingOffset] {
         if !self.is_located && !self.is_presumed {
             return &[];
@@ -493,6 +513,29 @@ mod tests {
         fn update(&mut self, _: &Observation<'_>, _: Pose2, _: &dyn Track) -> Option<Fix> {
             None
         }
+    }
+
+    #[test]
+    fn a_robot_that_is_lost_is_where_partial_fixes_say_together() {
+        let mut fused = Fused::new(RobotDescription::sentry(), vec![Box::new(Finder)]);
+        fused.key = Some(key(0.0, 0.1));
+        fused.notice_loss();
+        let there = Isometry2::new(Vector2::new(80.0, -20.0), 1.0);
+        let partial = |information: [f64; 3]| Fix {
+            stamp: SimTime::ZERO,
+            pose: there,
+            information: Matrix3::from_diagonal(&information.into()),
+            max_deviations: 4.0,
+        };
+        fused.apply(&partial([4.0, 0.0, 400.0]));
+        assert!(!fused.is_located());
+        fused.apply(&partial([0.0, 4.0, 0.0]));
+        assert!(fused.is_located());
+        let fixed = (there * isometry(key(0.0, 0.1).pose)).translation.vector;
+        let found = (fused.estimated * isometry(key(0.0, 0.1).pose))
+            .translation
+            .vector;
+        assert!((found - fixed).norm() < 0.1, "{found}");
     }
 
     #[test]

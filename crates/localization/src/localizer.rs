@@ -1,7 +1,7 @@
 //! What every localizer offers.
 
 use nalgebra::Matrix3;
-use openbench_core::{Health, Observation, Pose2, SimTime};
+use openbench_core::{Health, MapComparison, Observation, Pose2, SimTime};
 
 use crate::registration::BuildingOffset;
 
@@ -66,6 +66,11 @@ pub trait Localizer {
     /// How often it compared what was seen with a map since it began.
     fn map_registrations(&self) -> u64 {
         0
+    }
+
+    /// What was found at the last of these comparisons.
+    fn comparison(&self) -> Option<MapComparison> {
+        None
     }
 
     /// Covariance of the newest pose as of the last scan: x and y in `map`, then yaw; m² and rad².

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
-    PlannedDelivery, RobotDescription, SimTime, Velocity, Work, with_causes,
+    PlannedDelivery, Pose2, RobotDescription, SimTime, Velocity, Work, with_causes,
 };
 use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_motion::local::{PlannerEntry, make_planner};
@@ -232,7 +232,9 @@ impl Mission {
         if localizer.is_located() {
             briefing.start_pose()?;
         }
-        let start = given.unwrap_or_default();
+        // Of an area its middle, from which the robot is not too far to be an outlier.
+        let about = briefing.start.about().unwrap_or_default();
+        let start = given.unwrap_or(Pose2::new(about.x, about.y, 0.0));
         localizer.reset(start);
         let terrain = Terrain::new(
             memory.map().clone(),

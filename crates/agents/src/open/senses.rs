@@ -102,6 +102,11 @@ impl Senses {
         for _ in self.map_registrations..registrations {
             events.record(Event::Work(work));
         }
+        if registrations > self.map_registrations
+            && let Some(comparison) = self.localizer.comparison()
+        {
+            events.record(Event::MapComparison(comparison));
+        }
         self.map_registrations = registrations;
         let correction = Correction {
             before,

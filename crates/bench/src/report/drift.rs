@@ -5,6 +5,7 @@ use std::fmt::Write;
 use openbench_core::Health;
 
 use super::html::escape;
+use super::input::EpisodeReport;
 use crate::score::health::health_spans;
 use crate::score::metrics::localization::localization;
 use crate::trace::PoseError;
@@ -18,9 +19,10 @@ const BOTTOM_PX: f64 = 22.0;
 const MAX_POINTS: usize = 500;
 
 /// Writes the chart; nothing if no error is finite.
-pub fn render(out: &mut String, errors: &[PoseError]) {
+pub fn render(out: &mut String, episode: &EpisodeReport) {
     // NaN and infinity have no place on an axis. `localization` leaves them out too.
-    let errors: Vec<PoseError> = errors
+    let errors: Vec<PoseError> = episode
+        .pose_errors
         .iter()
         .filter(|e| e.distance().is_finite())
         .copied()
@@ -61,6 +63,15 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
         );
     }
     shade_doubt(out, &errors, x);
+    for one in &episode.comparisons {
+        let class = if one.found.accepted.is_some() {
+            "accepted"
+        } else {
+            "refused"
+        };
+        let (at, top) = (x(one.time.seconds()), HEIGHT_PX - BOTTOM_PX);
+        let _ = writeln!(out, "<path class=\"{class}\" d=\"M{at:.1} {top:.0}v5\"/>");
+    }
     let mut line = String::new();
     // The maximum of each stretch, not a sample of it: thinning must not hide a peak.
     for stretch in errors.chunks(errors.len().div_ceil(MAX_POINTS)) {
@@ -77,12 +88,18 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
     let _ = writeln!(
         out,
         "<p class=\"note\">Distance between the estimated and the true position: {} RMS, \
-         95 % within {}, maximum {}; maximum heading error {:.2}°. {}</p>",
+         95 % within {}, maximum {}; maximum heading error {:.2}°. {}{}</p>",
         metres(sum.rmse_m),
         metres(sum.p95_m),
         metres(sum.max_m),
         sum.max_yaw_rad.to_degrees(),
         health_note(&errors, sum.silent_divergences),
+        if episode.comparisons.is_empty() {
+            ""
+        } else {
+            " Marks below the axis: comparisons with the map after which a pose was accepted, \
+             and, paler, none."
+        },
     );
 }
 
@@ -163,10 +180,17 @@ mod tests {
             .collect()
     }
 
+    fn drive(pose_errors: Vec<PoseError>) -> EpisodeReport {
+        EpisodeReport {
+            pose_errors,
+            ..EpisodeReport::default()
+        }
+    }
+
     #[test]
     fn a_long_drive_is_downsampled_and_keeps_its_largest_error() {
         let mut out = String::new();
-        render(&mut out, &errors(30_000, 0.3));
+        render(&mut out, &drive(errors(30_000, 0.3)));
         let points = out.matches('L').count();
         assert!((400..=MAX_POINTS).contains(&points), "{points}");
         assert!(
@@ -178,11 +202,11 @@ mod tests {
     #[test]
     fn an_empty_drive_draws_nothing_and_nan_is_left_out() {
         let mut out = String::new();
-        render(&mut out, &[]);
+        render(&mut out, &EpisodeReport::default());
         assert_eq!(out, "");
         let mut broken = errors(3, 0.0);
         broken[1].offset[0] = f64::NAN;
-        render(&mut out, &broken);
+        render(&mut out, &drive(broken));
         assert!(out.contains("maximum 0") && !out.contains("NaN"), "{out}");
     }
 }

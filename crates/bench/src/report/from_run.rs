@@ -84,6 +84,7 @@ fn episode_report(
         driven: points(&trace.driven),
         estimated: trace.estimated.clone(),
         pose_errors: trace.pose_errors.clone(),
+        comparisons: trace.comparisons.clone(),
         routes: trace.routes.clone(),
         true_doors: doors
             .map(|(i, d)| DoorMark {

@@ -3,7 +3,7 @@
 use openbench_core::{Address, MapPoint, PlannedDelivery, Pose2, SimTime};
 
 use crate::score::results::Results;
-use crate::trace::PoseError;
+use crate::trace::{PoseError, TimedComparison};
 
 /// Everything that a report shows.
 #[derive(Debug, Clone)]
@@ -59,6 +59,8 @@ pub struct EpisodeReport {
     pub estimated: Vec<MapPoint>,
     /// Errors of the estimated poses.
     pub pose_errors: Vec<PoseError>,
+    /// What the agent found when it looked for itself on its map.
+    pub comparisons: Vec<TimedComparison>,
     /// Routes planned by the agent.
     pub routes: Vec<Vec<MapPoint>>,
     /// Doors of the world.

@@ -39,17 +39,31 @@ pub fn render(out: &mut String, world: &WorldMap, episode: &EpisodeReport) {
 }
 
 /// The visible part of the world and its scale.
-struct View {
+pub(super) struct View {
     /// Map x of the left edge, metres.
     left: f64,
     /// Map y of the top edge, metres.
     top: f64,
     pixels_per_metre: f64,
+    /// Width of the picture, pixels.
+    width: f64,
     /// Height of the picture, pixels.
     height: f64,
 }
 
 impl View {
+    /// A square picture of so many pixels a side, which shows so many metres to each side of a
+    /// point.
+    pub(super) fn square(middle: MapPoint, metres: f64, pixels: f64) -> Self {
+        Self {
+            left: middle.x - metres,
+            top: middle.y + metres,
+            pixels_per_metre: pixels / (2.0 * metres),
+            width: pixels,
+            height: pixels,
+        }
+    }
+
     /// The extent of the episode with a margin, or of the whole world if the robot never moved.
     fn around(world: &WorldMap, episode: &EpisodeReport) -> Option<Self> {
         let start = (!episode.driven.is_empty()).then(|| episode.start.point());
@@ -84,11 +98,12 @@ impl View {
             left: (min.x + max.x) / 2.0 - WIDTH_PX / 2.0 / scale,
             top: (min.y + max.y) / 2.0 + pixels / 2.0 / scale,
             pixels_per_metre: scale,
+            width: WIDTH_PX,
             height: pixels,
         })
     }
 
-    fn pixel(&self, point: MapPoint) -> [f64; 2] {
+    pub(super) fn pixel(&self, point: MapPoint) -> [f64; 2] {
         // The y axis of SVG points down, that of the map to the north.
         [
             (point.x - self.left) * self.pixels_per_metre,
@@ -101,7 +116,7 @@ impl View {
         bounds(points.iter().copied()).is_some_and(|Bounds { min, max }| {
             // The lower corner of the map has the larger y in pixels.
             let ([left, bottom], [right, top]) = (self.pixel(min), self.pixel(max));
-            right >= 0.0 && left <= WIDTH_PX && bottom >= 0.0 && top <= self.height
+            right >= 0.0 && left <= self.width && bottom >= 0.0 && top <= self.height
         })
     }
 
@@ -167,7 +182,7 @@ fn path(out: &mut String, class: &str, commands: &str) {
     }
 }
 
-fn draw_world(out: &mut String, view: &View, world: &WorldMap) {
+pub(super) fn draw_world(out: &mut String, view: &View, world: &WorldMap) {
     // In the order of painting: SVG draws later elements over earlier ones.
     for area in world.areas.iter().filter(|a| view.shows(&a.outline)) {
         path(out, "area", &view.area(area));
@@ -203,7 +218,7 @@ fn draw_names(out: &mut String, view: &View, world: &WorldMap) {
             continue;
         };
         let ([left, bottom], [right, top]) = (view.pixel(min), view.pixel(max));
-        let (x0, x1) = (left.max(0.0), right.min(WIDTH_PX));
+        let (x0, x1) = (left.max(0.0), right.min(view.width));
         let (y0, y1) = (top.max(0.0), bottom.min(view.height));
         // A name that does not fit would cover the neighbours of its building.
         if x1 - x0 > text_width(name) && y1 - y0 > 14.0 {

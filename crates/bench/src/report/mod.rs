@@ -13,12 +13,14 @@
 //! | `table` | one row per delivery |
 //! | `map` | the map of an episode, as SVG |
 //! | `public_map` | [`public_map_svg`]: a wrong public map over the world, as SVG |
+//! | `comparisons` | how the agent found itself on its map |
 //! | `drift` | the localization error over time |
 //! | `frames` | the camera frames in which plates were read |
 //! | `across` | means over several runs and differences between systems, as plain text |
 //! | `terminal` | the same metrics as plain text for a terminal |
 
 mod across;
+mod comparisons;
 mod contacts;
 mod drift;
 mod frames;
@@ -149,7 +151,10 @@ fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeRe
     if let Some(world) = input.worlds.get(episode.world) {
         map::render(out, world, episode);
     }
-    drift::render(out, &episode.pose_errors);
+    if let Some(world) = input.worlds.get(episode.world) {
+        comparisons::render(out, world, &episode.comparisons);
+    }
+    drift::render(out, episode);
     frames::render(out, &episode.plates);
     out.push_str("</article>\n");
 }

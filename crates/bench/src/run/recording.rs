@@ -314,6 +314,7 @@ fn name(deed: &Deed) -> &'static str {
         Deed::Planned(_) => "the plan",
         Deed::Routed(_) => "a route",
         Deed::Estimated(..) | Deed::EstimatedAt(..) => "an estimated pose",
+        Deed::Compared(_) => "what was found on the map",
         Deed::WroteDoor(..) => "a door in the agent's map",
         Deed::Read(_) => "a plate",
         Deed::Asked(_) => "the use of models",

@@ -23,7 +23,7 @@ use crate::image_file;
 use crate::suite::{Compute, Condition, GoalKind};
 use crate::trace::{
     Computing, Deed, EpisodeTrace, Failure, Frame, PlacedDoor, PlateRead, PoseError, Reading,
-    Smoothness, TaskOutcome, TimedDeed,
+    Smoothness, TaskOutcome, TimedComparison, TimedDeed,
 };
 use crate::worlds::{Prepared, PreparedEpisode};
 
@@ -235,6 +235,11 @@ impl<'o> Rollout<'o> {
             Deed::EstimatedAt(pose, health, at) => {
                 self.enter_estimate(SimTime(*at), Deed::estimate(*pose, *health));
             }
+            Deed::Compared(comparison) => self.trace.comparisons.push(TimedComparison {
+                time,
+                truth: self.pose_on_map(),
+                found: comparison.reported(),
+            }),
             Deed::WroteDoor(address, position) => {
                 // A door that is written again replaces the earlier one.
                 self.trace

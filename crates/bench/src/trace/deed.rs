@@ -1,7 +1,8 @@
 //! What an agent does besides driving: as much of it as enters a trace.
 
 use openbench_core::{
-    Address, Event, GiveUp, Health, MapPoint, ModelUse, Plan, Pose2, PoseEstimate,
+    AcceptedPose, Address, Event, GiveUp, Health, Hypothesis, MapComparison, MapPoint, ModelUse,
+    Plan, Pose2, PoseEstimate,
 };
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -72,6 +73,8 @@ pub enum Deed {
     Estimated([Number; 3], Health),
     /// It estimated its pose at an earlier instant, nanoseconds: it is behind with its work.
     EstimatedAt([Number; 3], Health, u64),
+    /// It looked for itself on its map.
+    Compared(Comparison),
     /// It wrote a door into its map.
     WroteDoor(Address, Point),
     /// It read a plate.
@@ -84,6 +87,65 @@ pub enum Deed {
     Delivered(Address),
     /// It gave up deliveries.
     GaveUp(GiveUp),
+}
+
+/// What an agent found when it looked for itself on its map.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Comparison {
+    /// Poses that it may have: x, y in metres, yaw in radians, probability.
+    pub hypotheses: Vec<[Number; 4]>,
+    /// The pose that it goes by: x, y, yaw.
+    pub accepted: Option<[Number; 3]>,
+    /// Its covariance: m² and rad².
+    pub covariance: Option<[[Number; 3]; 3]>,
+    /// Facades that it saw, in whole centimetres.
+    pub facades: Vec<[i64; 2]>,
+}
+
+impl Comparison {
+    fn of(comparison: &MapComparison) -> Self {
+        let hypotheses = comparison.hypotheses.iter();
+        let accepted = comparison.accepted;
+        // What lies beyond the range of an i64 is cut off.
+        let centimetres = |metres: f64| (metres * 100.0).round() as i64;
+        let is_finite = |at: &&MapPoint| at.x.is_finite() && at.y.is_finite();
+        Self {
+            hypotheses: hypotheses
+                .map(|one| [one.pose.x, one.pose.y, one.pose.yaw, one.probability].map(Number::new))
+                .collect(),
+            accepted: accepted.map(|own| [own.pose.x, own.pose.y, own.pose.yaw].map(Number::new)),
+            covariance: accepted.map(|own| own.covariance.map(|row| row.map(Number::new))),
+            facades: comparison
+                .facades
+                .iter()
+                .filter(is_finite)
+                .map(|at| [centimetres(at.x), centimetres(at.y)])
+                .collect(),
+        }
+    }
+
+    /// The same as agents report it.
+    pub fn reported(&self) -> MapComparison {
+        let pose = |[x, y, yaw]: [Number; 3]| Pose2::new(x.value(), y.value(), yaw.value());
+        let hypotheses = self.hypotheses.iter().map(|one| Hypothesis {
+            pose: pose([one[0], one[1], one[2]]),
+            probability: one[3].value(),
+        });
+        let accepted = self.accepted.zip(self.covariance);
+        let metres = |centimetres: i64| centimetres as f64 / 100.0;
+        let facades = self.facades.iter();
+        MapComparison {
+            hypotheses: hypotheses.collect(),
+            accepted: accepted.map(|(at, covariance)| AcceptedPose {
+                pose: pose(at),
+                covariance: covariance.map(|row| row.map(Number::value)),
+            }),
+            facades: facades
+                .map(|at| MapPoint::new(metres(at[0]), metres(at[1])))
+                .collect(),
+        }
+    }
 }
 
 /// A plate as it was read.
@@ -119,6 +181,7 @@ impl Deed {
             Event::PoseEstimate(PoseEstimate { pose, health }) => {
                 Self::Estimated([pose.x, pose.y, pose.yaw].map(Number::new), *health)
             }
+            Event::MapComparison(comparison) => Self::Compared(Comparison::of(comparison)),
             Event::DoorWritten { address, position } => {
                 Self::WroteDoor(address.clone(), point(*position))
             }
@@ -193,6 +256,33 @@ mod tests {
             r#"{"estimated":[[null,-0.0,0.30000000000000004],"lost"]}"#
         );
         assert_eq!(serde_json::from_str::<Deed>(&json).unwrap(), deed);
+    }
+
+    #[test]
+    fn a_comparison_is_kept_with_its_facades_to_the_centimetre() {
+        let pose = Pose2::new(0.1 + 0.2, f64::NAN, 1.0);
+        let found = MapComparison {
+            hypotheses: vec![Hypothesis {
+                pose,
+                probability: 0.3,
+            }],
+            accepted: Some(AcceptedPose {
+                pose: Pose2::new(1.0, 2.0, 3.0),
+                covariance: [[0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.3]],
+            }),
+            facades: vec![MapPoint::new(1.234, -5.678), MapPoint::new(f64::NAN, 0.0)],
+        };
+        let deed = Deed::of(&Event::MapComparison(found.clone())).unwrap();
+        let json = serde_json::to_string(&deed).unwrap();
+        let Deed::Compared(again) = serde_json::from_str(&json).unwrap() else {
+            panic!("{json}")
+        };
+        assert_eq!(deed, Deed::Compared(again.clone()));
+        let again = again.reported();
+        assert_eq!(again.accepted, found.accepted);
+        assert_eq!(again.facades, [MapPoint::new(1.23, -5.68)]);
+        assert!(again.hypotheses[0].pose.y.is_nan());
+        assert_eq!(again.hypotheses[0].pose.x, pose.x);
     }
 
     #[test]

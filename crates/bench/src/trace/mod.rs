@@ -16,14 +16,15 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use openbench_core::{
-    Address, FailureCause, GiveUp, MapPoint, ModelUse, Plan, SimTime, Start, Velocity,
+    Address, FailureCause, GiveUp, MapComparison, MapPoint, ModelUse, Plan, Pose2, SimTime, Start,
+    Velocity,
 };
 use openbench_scene::SemanticClass;
 use openbench_sim::Collision;
 use openbench_sim::traffic::EncounterTotals;
 
 pub use computing::Computing;
-pub use deed::{Deed, Number, Reading, TimedDeed};
+pub use deed::{Comparison, Deed, Number, Reading, TimedDeed};
 pub use pose_error::PoseError;
 pub use smoothness::{Smoothness, SmoothnessSum};
 
@@ -115,6 +116,17 @@ pub struct PlacedDoor {
     pub position: MapPoint,
 }
 
+/// What an agent found when it looked for itself on its map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimedComparison {
+    /// Time of the event.
+    pub time: SimTime,
+    /// True pose then, in the frame of the public map.
+    pub truth: Pose2,
+    /// What it found.
+    pub found: MapComparison,
+}
+
 /// A plate that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlateRead {
@@ -155,6 +167,8 @@ pub struct EpisodeTrace {
     pub estimated: Vec<MapPoint>,
     /// Errors of the estimated poses.
     pub pose_errors: Vec<PoseError>,
+    /// What the agent found when it looked for itself on its map.
+    pub comparisons: Vec<TimedComparison>,
     /// Routes planned by the agent.
     pub routes: Vec<Vec<MapPoint>>,
     /// Doors that the agent wrote into its map.

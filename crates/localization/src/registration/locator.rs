@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Matrix3;
 use openbench_core::frames::wrap_angle;
-use openbench_core::{MapPoint, Pose2, Start};
+use openbench_core::{AcceptedPose, MapComparison, MapPoint, Pose2, Start};
 use openbench_geometry::Bounds;
 use openbench_osm::OsmMap;
 
@@ -54,6 +54,11 @@ const LOST_M: f64 = 75.0;
 const WIDEN_M: f64 = 60.0;
 /// and so often at most: the time of a search grows with the area.
 const MOST_WIDENINGS: i32 = 2;
+
+/// As many poses are shown of what was found,
+const MOST_SHOWN_POSES: usize = 12;
+/// and as many facades.
+const MOST_SHOWN_FACADES: usize = 200;
 
 /// A pose of the robot on the map.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,6 +129,8 @@ pub struct Locator {
     driven_m: f64,
     chart: Option<(Chart, Bounds)>,
     bank: Vec<Hypothesis>,
+    /// Facades that were compared last, in the frame of the robot at the end of the way.
+    seen: Vec<MapPoint>,
     judgement: Judgement,
     /// The accepted pose by all fixes so far; `None` if the robot is not localized.
     estimate: Option<Estimate>,
@@ -171,6 +178,7 @@ impl Locator {
             driven_m: 0.0,
             chart: None,
             bank: Vec::new(),
+            seen: Vec::new(),
             judgement: Judgement::default(),
             estimate: None,
             presumed: None,
@@ -193,6 +201,32 @@ impl Locator {
     /// What may be true, the most probable one first.
     pub fn hypotheses(&self) -> &[Hypothesis] {
         &self.bank
+    }
+
+    /// What was found when it last compared what was seen with the map.
+    pub fn comparison(&self) -> MapComparison {
+        let bank = self.bank.iter().take(MOST_SHOWN_POSES);
+        let hypotheses = bank.map(|one| openbench_core::Hypothesis {
+            pose: one.located.pose,
+            probability: one.located.candidate.probability,
+        });
+        let hypotheses: Vec<_> = hypotheses.collect();
+        let accepted = self.estimate.as_ref().map(|estimate| AcceptedPose {
+            pose: estimate.pose,
+            covariance: estimate.covariance().into(),
+        });
+        let known = accepted.map(|accepted| accepted.pose);
+        let pose = known.or(hypotheses.first().map(|best| best.pose));
+        let every = self.seen.len().div_ceil(MOST_SHOWN_FACADES).max(1);
+        let seen = pose.into_iter().flat_map(|pose| {
+            let some = self.seen.iter().step_by(every);
+            some.map(move |at| pose.transform(at.x, at.y))
+        });
+        MapComparison {
+            hypotheses,
+            accepted,
+            facades: seen.collect(),
+        }
     }
 
     /// Whether a pose is accepted.
@@ -267,6 +301,7 @@ impl Locator {
         let since = *self.since.get_or_insert(here);
         let prior = self.prior?.after(here.seen_from(since));
         self.reach(&prior)?;
+        self.seen = submap.facades.iter().map(|facade| facade.at).collect();
         let (chart, _) = self.chart.as_ref()?;
         let found = candidates(chart, submap, &prior, &self.judgement.assumed);
         let located = found.into_iter().map(|candidate| Located {

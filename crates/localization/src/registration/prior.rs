@@ -19,8 +19,9 @@ const LEAST_DEVIATION_RAD: f64 = 3.0 * PI / 180.0;
 const MOST_DEVIATIONS: f64 = 4.0;
 /// A place is at most so far outside the given area or map, metres.
 const BEYOND_M: f64 = 6.0;
-/// Standard deviation of a start anywhere in the map, metres.
-const ANYWHERE_M: f64 = 1000.0;
+/// Standard deviation of a start anywhere in the map, metres. No map reaches farther than a few of
+/// these from its origin.
+const ANYWHERE_M: f64 = 1e5;
 /// Odometry errs by at most this share of the way.
 const DRIFT: f64 = 0.02;
 
@@ -80,7 +81,7 @@ impl Prior {
         Self { motion, ..self }
     }
 
-    /// How well the start is known. A start anywhere in the map counts as known to a kilometre.
+    /// How well the start is known. A start anywhere in the map counts as known to 100 km.
     pub fn deviation(&self) -> PoseDeviation {
         let metres = match &self.start {
             Start::Pose { .. } => self.deviation_m,

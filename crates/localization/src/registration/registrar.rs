@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use nalgebra::{Isometry2, Matrix3, Rotation3, Vector3};
-use openbench_core::{LidarScan, Observation, Pose2, Pose3, Start};
+use openbench_core::{LidarScan, MapComparison, Observation, Pose2, Pose3, Start};
 use openbench_osm::OsmMap;
 
 use super::estimate::{BuildingOffset, Estimate, Measured};
@@ -108,6 +108,10 @@ impl FixSource for Registrar {
 
     fn map_registrations(&self) -> u64 {
         self.registrations
+    }
+
+    fn comparison(&self) -> Option<MapComparison> {
+        Some(self.locator.comparison())
     }
 
     fn presumption(&self) -> Option<Presumption> {

@@ -14,6 +14,8 @@ const LETTERS_M: f64 = 0.8;
 const NAME_HEIGHT_M: f64 = 3.0;
 /// Height at which plates hang that are known by their position alone, metres.
 const PLATE_HEIGHT_M: f64 = 1.6;
+/// Height of the lines that stand for facades, metres.
+const FACADE_HEIGHT_M: f64 = 2.0;
 
 const WALLS: [f32; 4] = [0.45, 0.45, 0.5, 1.0];
 const ROADS: [f32; 4] = [0.75, 0.65, 0.35, 1.0];
@@ -56,6 +58,14 @@ pub(super) fn of_doors(doors: &[Door]) -> MarkerArray {
         )
     });
     MarkerArray(labels.collect())
+}
+
+/// Facades that the agent saw, where it takes them to be.
+pub(super) fn of_facades(time: SimTime, facades: &[MapPoint]) -> MarkerArray {
+    let upright = |at: &MapPoint| [[at.x, at.y, 0.0], [at.x, at.y, FACADE_HEIGHT_M]];
+    let points = facades.iter().flat_map(upright).collect();
+    let header = Header::new(time, "map");
+    MarkerArray(vec![lines(&header, "facades", points, FOUND)])
 }
 
 /// A plate that was read, and the place where the agent takes it to be.

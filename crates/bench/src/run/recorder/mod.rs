@@ -273,6 +273,17 @@ impl Recorder {
                 log.write("/pose", time, &stamped(header(), estimate.pose))?;
                 write_pose(log, time, ESTIMATED, estimate.pose.to_pose3(0.0))
             }
+            Event::MapComparison(comparison) => {
+                let poses = comparison.hypotheses.iter();
+                let poses = poses.map(|one| Pose::from(one.pose));
+                let hypotheses = PoseArray {
+                    header: header(),
+                    poses: poses.collect(),
+                };
+                log.write("/hypotheses", time, &hypotheses)?;
+                let facades = markers::of_facades(time, &comparison.facades);
+                log.write("/facades", time, &facades)
+            }
             Event::Costmap(grid) => log.write("/costmap", time, &occupancy(header(), grid)),
             Event::Waypoints(poses) => {
                 let poses = poses.iter().map(|p| stamped(header(), *p)).collect();
