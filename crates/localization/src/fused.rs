@@ -75,6 +75,8 @@ pub struct Fused {
     published: Isometry2<f64>,
     /// The same as the graph estimates it.
     estimated: Isometry2<f64>,
+    /// Fixes that came before the graph began.
+    early: Vec<Fix>,
     /// Time of the newest observation.
     now: SimTime,
     /// Since when odometry contradicts itself.
@@ -94,6 +96,7 @@ impl Fused {
             key: None,
             published: start,
             estimated: start,
+            early: Vec::new(),
             now: SimTime::ZERO,
             contradicted: None,
         }
@@ -165,6 +168,17 @@ impl Fused {
     fn forget(&mut self) {
         let Some(key) = self.key else { return };
         self.window = window(self.published * isometry(key.pose), NOWHERE);
+    }
+
+    /// Applies fixes, or keeps them until the graph begins: a robot may find itself by its first
+    /// scans, before odometry says how exact it is.
+    fn take(&mut self, mut fixes: Vec<Fix>) {
+        if self.key.is_none() {
+            fixes.retain(|fix| self.is_recent(fix));
+            self.early = fixes;
+        } else {
+            fixes.iter().for_each(|fix| self.apply(fix));
+        }
     }
 
     /// Attaches a fix to the newest pose of the graph, by the motion between them, and solves the
@@ -300,6 +314,7 @@ impl Localizer for Fused {
         self.is_located = known(&self.sources).metres < LOCATED_M;
         self.is_presumed = false;
         self.key = None;
+        self.early.clear();
         self.now = SimTime::ZERO;
         self.contradicted = None;
     }
@@ -318,11 +333,11 @@ impl Localizer for Fused {
         self.now = self.now.max(observation.time);
         self.extend_graph();
         let near = self.pose();
-        let mut fixes = Vec::new();
+        let mut fixes = std::mem::take(&mut self.early);
         for source in &mut self.sources {
             fixes.extend(source.update(observation, near, &self.odometry));
         }
-        fixes.iter().for_each(|fix| self.apply(fix));
+        self.take(fixes);
         self.notice_contradiction();
         self.notice_loss();
         self.presume();
@@ -536,6 +551,25 @@ mod tests {
             .translation
             .vector;
         assert!((found - fixed).norm() < 0.1, "{found}");
+    }
+
+    #[test]
+    fn a_fix_that_comes_before_the_graph_is_not_lost() {
+        let mut fused = Fused::new(RobotDescription::sentry(), vec![Box::new(Finder)]);
+        fused.is_located = false;
+        let fix = Fix {
+            stamp: SimTime::ZERO,
+            pose: Isometry2::new(Vector2::new(80.0, -20.0), 1.0),
+            information: Matrix3::from_diagonal(&[4.0, 4.0, 400.0].into()),
+            max_deviations: 4.0,
+        };
+        fused.take(vec![fix.clone()]);
+        assert!(!fused.is_located());
+        fused.key = Some(key(0.0, 0.1));
+        let early = std::mem::take(&mut fused.early);
+        assert_eq!(early, [fix]);
+        fused.take(early);
+        assert!(fused.is_located() && fused.early.is_empty());
     }
 
     #[test]
