@@ -235,8 +235,8 @@ impl Simulator {
         self.extend_chain();
     }
 
-    /// Puts the robot on the ground elsewhere, at rest. Its sensors notice nothing of the way, as if
-    /// they had been off, and the scan that is under way is taken at the new place.
+    /// Puts the robot on the ground elsewhere, at rest. Its sensors notice nothing of the way, as
+    /// if they had been off, and the scan that is under way is taken at the new place.
     pub fn carry_to(&mut self, place: Pose2) {
         let ground = ground_height(self.stage.caster(), place.point());
         self.physics.put(place, ground);
