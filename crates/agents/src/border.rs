@@ -187,3 +187,38 @@ impl Events for Outwards<'_> {
         self.events.record(self.border.event_outwards(event));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_found_on_the_map_is_told_in_the_frame_of_the_briefing() {
+        let border = Border {
+            shift: MapPoint::new(5000.0, -300.0),
+        };
+        let mut told = Vec::new();
+        let pose = Pose2::new(1.0, 2.0, 0.5);
+        let covariance = [[0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.3]];
+        border
+            .events(&mut told)
+            .record(Event::MapComparison(MapComparison {
+                hypotheses: vec![Hypothesis {
+                    pose,
+                    probability: 0.9,
+                }],
+                accepted: Some(AcceptedPose { pose, covariance }),
+                facades: vec![MapPoint::new(7.0, 8.0)],
+            }));
+        let pose = Pose2::new(5001.0, -298.0, 0.5);
+        let outer = MapComparison {
+            hypotheses: vec![Hypothesis {
+                pose,
+                probability: 0.9,
+            }],
+            accepted: Some(AcceptedPose { pose, covariance }),
+            facades: vec![MapPoint::new(5007.0, -292.0)],
+        };
+        assert_eq!(told, [Event::MapComparison(outer)]);
+    }
+}

@@ -144,7 +144,7 @@ impl Track for LidarInertial {
         pose
     }
 
-    fn deviation(&self) -> Option<Matrix3<f64>> {
+    fn pose_covariance(&self) -> Option<Matrix3<f64>> {
         self.covariance()
     }
 }

@@ -10,7 +10,7 @@ pub trait Track {
 
     /// Covariance of the newest pose as of the last scan, in the same frame: x and y, then yaw; m²
     /// and rad². `None` if the poses come without one.
-    fn deviation(&self) -> Option<Matrix3<f64>> {
+    fn pose_covariance(&self) -> Option<Matrix3<f64>> {
         None
     }
 }

@@ -164,7 +164,7 @@ impl Gatherer {
         }
         let now = Reckoned {
             pose: here,
-            covariance: track.deviation().unwrap_or_else(Matrix3::zeros),
+            covariance: track.pose_covariance().unwrap_or_else(Matrix3::zeros),
         };
         let since = *self.since.get_or_insert(now);
         let open = self.open.get_or_insert_with(|| Open::at(here));
