@@ -205,7 +205,7 @@ mod tests {
             "planner: grammar (default), MODEL\n",
             "reader: ppocr-v4 (default), MODEL\n",
             "localizer: fused (default), lidar-inertial, dead-reckoning\n",
-            "fixes: gnss, osm, none (default)\n",
+            "fixes: gnss, osm (default), none\n",
             "motion: teb (default), follower, mppi\n",
             "budget: CALLS,TOKENS,SECONDS (default 1000,2000000,1800)\n",
             "Examples:",

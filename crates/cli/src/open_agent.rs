@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use openbench_agents::Open;
 use openbench_agents::open::parts::{FixesPart, LocalizerPart, MakeFixes, PartError};
-use openbench_agents::open::settings::DEFAULT_READER;
+use openbench_agents::open::settings::{DEFAULT_LOCALIZER, DEFAULT_READER, NO_FIXES};
 use openbench_agents::open::{Catalogue, Choices, Models, Settings};
 use openbench_bench::run::registry::{AgentError, AgentSettings};
 use openbench_bench::yardsticks::{
@@ -88,7 +88,7 @@ pub const RESERVED: [Reserved; 10] = [
     },
     Reserved {
         kind: "source of fixes",
-        name: openbench_agents::open::settings::NO_FIXES,
+        name: NO_FIXES,
         meaning: "no fixes",
     },
 ];
@@ -156,14 +156,21 @@ impl AgentFactory for OpenFactory {
     }
 
     fn in_force(&self, settings: &AgentSettings) -> BTreeMap<String, Setting> {
+        let localizer = settings.get("localizer");
+        let localizer = localizer.map_or(DEFAULT_LOCALIZER, String::as_str);
+        let is_without_fixes = !self.catalogue.takes_fixes(localizer);
         let choices = self.catalogue.choices().into_iter();
         let setting = |choices: Choices| {
-            let value = settings.get(choices.key).unwrap_or(&choices.default);
+            let unset = match choices.key {
+                "fixes" if is_without_fixes => NO_FIXES,
+                _ => &choices.default,
+            };
+            let value = settings.get(choices.key).map_or(unset, String::as_str);
             let is_replaced = choices.replaced.iter().any(|word| word == value);
             let value = if is_replaced {
                 format!("{value} (replaced)")
             } else {
-                value.clone()
+                value.to_owned()
             };
             let setting = Setting::new(value, &choices.default);
             (choices.key.to_owned(), setting)
@@ -300,6 +307,8 @@ fn local_model(word: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use openbench_agents::open::settings::DEFAULT_FIXES;
+
     use super::*;
 
     fn settings(words: &[(&str, &str)]) -> AgentSettings {
@@ -364,11 +373,17 @@ mod tests {
         assert_eq!(in_force["localizer"], Setting::new("truth", "fused"));
         assert!(in_force["motion"].default && in_force["budget"].default);
         assert!(!in_force["planner"].default);
+        assert_eq!(in_force["fixes"], Setting::new("none", DEFAULT_FIXES));
         // Each default is a value that can be set, and means the same as no setting.
         let words = in_force.iter().filter(|(_, setting)| setting.default);
         let words = words.map(|(key, setting)| (key.clone(), setting.value.clone()));
         let spelled_out = Settings::parse(&words.collect());
         assert_eq!(spelled_out.unwrap(), Settings::default());
+        let in_force = open.in_force(&settings(&[]));
+        assert_eq!(
+            in_force["fixes"],
+            Setting::new(DEFAULT_FIXES, DEFAULT_FIXES)
+        );
     }
 
     #[test]

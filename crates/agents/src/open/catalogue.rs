@@ -221,6 +221,12 @@ impl Catalogue {
         }
     }
 
+    /// Whether the localizer of that name takes fixes; `false` for a name that is not registered.
+    pub fn takes_fixes(&self, localizer: &str) -> bool {
+        let part = self.localizers.get(localizer);
+        matches!(part, Ok(LocalizerPart::WithFixes(_)))
+    }
+
     fn sources(&self, value: &str) -> Result<Box<MakeFixes>, SettingsError> {
         let found = self.fixes.find(value);
         let found = found.map_err(|source| unknown_part("fixes", value, source))?;
@@ -316,6 +322,7 @@ mod tests {
         for none in [None, Some("none")] {
             assert!(catalogue.localizer("dead-reckoning", none).is_ok());
         }
+        assert!(catalogue.takes_fixes("fused") && !catalogue.takes_fixes("dead-reckoning"));
         assert!(
             matches!(error, SettingsError::TakesNoFixes { .. }),
             "{error}"

@@ -136,7 +136,11 @@ mod tests {
             .into_iter()
             .map(|choices| (choices.key.to_owned(), choices.default))
             .collect();
-        assert_eq!(Settings::parse(&words).unwrap(), Settings::default());
+        let spelled_out = Settings {
+            fixes: Some(DEFAULT_FIXES.into()),
+            ..Settings::default()
+        };
+        assert_eq!(Settings::parse(&words).unwrap(), spelled_out);
     }
 
     #[test]

@@ -26,8 +26,10 @@ pub(super) const KEYS: [&str; 8] = [
 pub const GRAMMAR: &str = "grammar";
 /// The plate reader by default.
 pub const DEFAULT_READER: &str = "ppocr-v4";
+/// The localizer by default.
+pub const DEFAULT_LOCALIZER: &str = "fused";
 /// The source of fixes by default, of a localizer that takes some.
-pub const DEFAULT_FIXES: &str = NO_FIXES;
+pub const DEFAULT_FIXES: &str = "osm";
 /// The source that gives no fixes. Every localizer takes it.
 pub const NO_FIXES: &str = "none";
 
@@ -56,7 +58,7 @@ pub struct Settings {
     /// `localizer`: a name of [`Catalogue::localizers`](super::Catalogue::localizers).
     pub localizer: String,
     /// `fixes`: a name of [`Catalogue::fixes`](super::Catalogue::fixes), with its argument after a
-    /// colon; by default `none`.
+    /// colon. `None` means [`DEFAULT_FIXES`] for a localizer that takes fixes, and none for others.
     pub fixes: Option<String>,
     /// `motion`: a name of [`Catalogue::local_planners`](super::Catalogue::local_planners).
     pub motion: String,
@@ -74,7 +76,7 @@ impl Default for Settings {
         Self {
             planner: GRAMMAR.into(),
             reader: DEFAULT_READER.into(),
-            localizer: "fused".into(),
+            localizer: DEFAULT_LOCALIZER.into(),
             fixes: None,
             motion: "teb".into(),
             ground: Preferences::NONE,
@@ -163,7 +165,7 @@ impl Settings {
             "planner" => self.planner = value.to_owned(),
             "reader" => self.reader = value.to_owned(),
             "localizer" => self.localizer = value.to_owned(),
-            "fixes" => self.fixes = Some(value.to_owned()).filter(|name| name != DEFAULT_FIXES),
+            "fixes" => self.fixes = Some(value.to_owned()),
             "motion" => self.motion = value.to_owned(),
             "ground" => self.ground = ground(value)?,
             "budget" => self.budget = budget(value)?,

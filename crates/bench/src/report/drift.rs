@@ -8,7 +8,7 @@ use super::html::escape;
 use super::input::EpisodeReport;
 use crate::score::health::health_spans;
 use crate::score::metrics::localization::localization;
-use crate::trace::PoseError;
+use crate::trace::{PoseError, TimedComparison};
 
 const WIDTH_PX: f64 = 1040.0;
 const HEIGHT_PX: f64 = 120.0;
@@ -31,60 +31,20 @@ pub fn render(out: &mut String, episode: &EpisodeReport) {
         return;
     };
     // At least a second: a single pose at the start would otherwise divide by zero.
-    let (seconds, top) = (last.time.seconds().max(1.0), ceiling(sum.max_m));
-    // 8 px at the right and 10 px at the top stay free, so that strokes and labels are not cut off.
-    let x = |time: f64| LEFT_PX + time / seconds * (WIDTH_PX - LEFT_PX - 8.0);
-    let y = |metres: f64| HEIGHT_PX - BOTTOM_PX - metres / top * (HEIGHT_PX - BOTTOM_PX - 10.0);
+    let axes = Axes {
+        seconds: last.time.seconds().max(1.0),
+        metres: ceiling(sum.max_m),
+    };
     let _ = write!(
         out,
         "<h4>Localization error</h4>\n<div class=\"drift\">\
          <svg viewBox=\"0 0 {WIDTH_PX} {HEIGHT_PX}\" role=\"img\" \
          aria-label=\"localization error over time\">\n"
     );
-    for part in [0.0, 0.5, 1.0] {
-        let (at, label) = (y(top * part), metres(top * part));
-        let _ = writeln!(
-            out,
-            "<path class=\"grid\" d=\"M{LEFT_PX} {at:.1}H{WIDTH_PX}\"/>\
-             <text class=\"axis\" x=\"{:.0}\" y=\"{:.1}\">{label}</text>",
-            LEFT_PX - 6.0,
-            at + 4.0
-        );
-    }
-    for part in 0..=4 {
-        let time = seconds * f64::from(part) / 4.0;
-        // The last label ends at its mark. Centred, it would reach beyond the picture.
-        let anchor = if part == 4 { "end" } else { "middle" };
-        let _ = writeln!(
-            out,
-            "<text x=\"{:.1}\" y=\"{:.0}\" text-anchor=\"{anchor}\">{time:.0} s</text>",
-            x(time),
-            HEIGHT_PX - 5.0
-        );
-    }
-    shade_doubt(out, &errors, x);
-    for one in &episode.comparisons {
-        let class = if one.found.accepted.is_some() {
-            "accepted"
-        } else {
-            "refused"
-        };
-        let (at, top) = (x(one.time.seconds()), HEIGHT_PX - BOTTOM_PX);
-        let _ = writeln!(out, "<path class=\"{class}\" d=\"M{at:.1} {top:.0}v5\"/>");
-    }
-    let mut line = String::new();
-    // The maximum of each stretch, not a sample of it: thinning must not hide a peak.
-    for stretch in errors.chunks(errors.len().div_ceil(MAX_POINTS)) {
-        let distance = stretch.iter().map(PoseError::distance).fold(0.0, f64::max);
-        let letter = if line.is_empty() { 'M' } else { 'L' };
-        let _ = write!(
-            line,
-            "{letter}{:.1} {:.1}",
-            x(stretch[0].time.seconds()),
-            y(distance)
-        );
-    }
-    let _ = writeln!(out, "<path class=\"error\" d=\"{line}\"/>\n</svg></div>");
+    axes.draw(out);
+    shade_doubt(out, &errors, axes);
+    mark_comparisons(out, &episode.comparisons, axes);
+    draw_errors(out, &errors, axes);
     let _ = writeln!(
         out,
         "<p class=\"note\">Distance between the estimated and the true position: {} RMS, \
@@ -103,13 +63,88 @@ pub fn render(out: &mut String, episode: &EpisodeReport) {
     );
 }
 
-/// Shades the times in which the agent did not trust its pose; `x` places a time on the axis.
-fn shade_doubt(out: &mut String, errors: &[PoseError], x: impl Fn(f64) -> f64) {
+/// What the axes of the chart reach to.
+#[derive(Clone, Copy)]
+struct Axes {
+    seconds: f64,
+    metres: f64,
+}
+
+// 8 px at the right and 10 px at the top stay free, so that strokes and labels are not cut off.
+impl Axes {
+    /// Where a time is, pixels from the left.
+    fn x(self, time: f64) -> f64 {
+        LEFT_PX + time / self.seconds * (WIDTH_PX - LEFT_PX - 8.0)
+    }
+
+    /// Where an error is, pixels from the top.
+    fn y(self, metres: f64) -> f64 {
+        HEIGHT_PX - BOTTOM_PX - metres / self.metres * (HEIGHT_PX - BOTTOM_PX - 10.0)
+    }
+
+    /// Draws lines and labels.
+    fn draw(self, out: &mut String) {
+        for part in [0.0, 0.5, 1.0] {
+            let (at, label) = (self.y(self.metres * part), metres(self.metres * part));
+            let _ = writeln!(
+                out,
+                "<path class=\"grid\" d=\"M{LEFT_PX} {at:.1}H{WIDTH_PX}\"/>\
+                 <text class=\"axis\" x=\"{:.0}\" y=\"{:.1}\">{label}</text>",
+                LEFT_PX - 6.0,
+                at + 4.0
+            );
+        }
+        for part in 0..=4 {
+            let time = self.seconds * f64::from(part) / 4.0;
+            // The last label ends at its mark. Centred, it would reach beyond the picture.
+            let anchor = if part == 4 { "end" } else { "middle" };
+            let _ = writeln!(
+                out,
+                "<text x=\"{:.1}\" y=\"{:.0}\" text-anchor=\"{anchor}\">{time:.0} s</text>",
+                self.x(time),
+                HEIGHT_PX - 5.0
+            );
+        }
+    }
+}
+
+/// Marks the comparisons with the map, below the axis of time.
+fn mark_comparisons(out: &mut String, comparisons: &[TimedComparison], axes: Axes) {
+    for one in comparisons {
+        let class = if one.found.accepted.is_some() {
+            "accepted"
+        } else {
+            "refused"
+        };
+        let (at, top) = (axes.x(one.time.seconds()), HEIGHT_PX - BOTTOM_PX);
+        let _ = writeln!(out, "<path class=\"{class}\" d=\"M{at:.1} {top:.0}v5\"/>");
+    }
+}
+
+/// Draws the errors and ends the picture.
+fn draw_errors(out: &mut String, errors: &[PoseError], axes: Axes) {
+    let mut line = String::new();
+    // The maximum of each stretch, not a sample of it: thinning must not hide a peak.
+    for stretch in errors.chunks(errors.len().div_ceil(MAX_POINTS)) {
+        let distance = stretch.iter().map(PoseError::distance).fold(0.0, f64::max);
+        let letter = if line.is_empty() { 'M' } else { 'L' };
+        let _ = write!(
+            line,
+            "{letter}{:.1} {:.1}",
+            axes.x(stretch[0].time.seconds()),
+            axes.y(distance)
+        );
+    }
+    let _ = writeln!(out, "<path class=\"error\" d=\"{line}\"/>\n</svg></div>");
+}
+
+/// Shades the times in which the agent did not trust its pose.
+fn shade_doubt(out: &mut String, errors: &[PoseError], axes: Axes) {
     for span in health_spans(errors) {
         if span.health == Health::Good {
             continue;
         }
-        let (from, to) = (x(span.from_s), x(span.to_s));
+        let (from, to) = (axes.x(span.from_s), axes.x(span.to_s));
         let _ = writeln!(
             out,
             "<rect class=\"doubt\" x=\"{from:.1}\" y=\"10\" width=\"{:.1}\" height=\"{:.1}\">\

@@ -95,18 +95,25 @@ pub enum Deed {
 pub struct Comparison {
     /// Poses that it may have: x, y in metres, yaw in radians, probability.
     pub hypotheses: Vec<[Number; 4]>,
-    /// The pose that it goes by: x, y, yaw.
-    pub accepted: Option<[Number; 3]>,
-    /// Its covariance: m² and rad².
-    pub covariance: Option<[[Number; 3]; 3]>,
+    /// The pose that it goes by.
+    pub accepted: Option<Accepted>,
     /// Facades that it saw, in whole centimetres.
     pub facades: Vec<[i64; 2]>,
+}
+
+/// A pose that an agent goes by.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Accepted {
+    /// x, y in metres, yaw in radians.
+    pub pose: [Number; 3],
+    /// Its covariance: m² and rad².
+    pub covariance: [[Number; 3]; 3],
 }
 
 impl Comparison {
     fn of(comparison: &MapComparison) -> Self {
         let hypotheses = comparison.hypotheses.iter();
-        let accepted = comparison.accepted;
         // What lies beyond the range of an i64 is cut off.
         let centimetres = |metres: f64| (metres * 100.0).round() as i64;
         let is_finite = |at: &&MapPoint| at.x.is_finite() && at.y.is_finite();
@@ -114,8 +121,10 @@ impl Comparison {
             hypotheses: hypotheses
                 .map(|one| [one.pose.x, one.pose.y, one.pose.yaw, one.probability].map(Number::new))
                 .collect(),
-            accepted: accepted.map(|own| [own.pose.x, own.pose.y, own.pose.yaw].map(Number::new)),
-            covariance: accepted.map(|own| own.covariance.map(|row| row.map(Number::new))),
+            accepted: comparison.accepted.map(|own| Accepted {
+                pose: [own.pose.x, own.pose.y, own.pose.yaw].map(Number::new),
+                covariance: own.covariance.map(|row| row.map(Number::new)),
+            }),
             facades: comparison
                 .facades
                 .iter()
@@ -132,14 +141,13 @@ impl Comparison {
             pose: pose([one[0], one[1], one[2]]),
             probability: one[3].value(),
         });
-        let accepted = self.accepted.zip(self.covariance);
         let metres = |centimetres: i64| centimetres as f64 / 100.0;
         let facades = self.facades.iter();
         MapComparison {
             hypotheses: hypotheses.collect(),
-            accepted: accepted.map(|(at, covariance)| AcceptedPose {
-                pose: pose(at),
-                covariance: covariance.map(|row| row.map(Number::value)),
+            accepted: self.accepted.map(|own| AcceptedPose {
+                pose: pose(own.pose),
+                covariance: own.covariance.map(|row| row.map(Number::value)),
             }),
             facades: facades
                 .map(|at| MapPoint::new(metres(at[0]), metres(at[1])))

@@ -12,8 +12,8 @@ use std::path::Path;
 use std::str::FromStr;
 
 use openbench_core::{
-    CostGrid, Event, Image, ImuSample, LidarScan, MapPoint, ModelUse, Observation, Pose2, Pose3,
-    RobotDescription, SimTime, Velocity,
+    CostGrid, Event, Image, ImuSample, LidarScan, MapComparison, MapPoint, ModelUse, Observation,
+    Pose2, Pose3, RobotDescription, SimTime, Velocity,
 };
 use openbench_logs::messages::{
     CAMERA_OPTICAL, CameraInfo, Clock, CompressedImage, Header, Imu, JointState, MarkerArray,
@@ -273,17 +273,7 @@ impl Recorder {
                 log.write("/pose", time, &stamped(header(), estimate.pose))?;
                 write_pose(log, time, ESTIMATED, estimate.pose.to_pose3(0.0))
             }
-            Event::MapComparison(comparison) => {
-                let poses = comparison.hypotheses.iter();
-                let poses = poses.map(|one| Pose::from(one.pose));
-                let hypotheses = PoseArray {
-                    header: header(),
-                    poses: poses.collect(),
-                };
-                log.write("/hypotheses", time, &hypotheses)?;
-                let facades = markers::of_facades(time, &comparison.facades);
-                log.write("/facades", time, &facades)
-            }
+            Event::MapComparison(found) => write_comparison(log, time, found),
             Event::Costmap(grid) => log.write("/costmap", time, &occupancy(header(), grid)),
             Event::Waypoints(poses) => {
                 let poses = poses.iter().map(|p| stamped(header(), *p)).collect();
@@ -320,21 +310,7 @@ impl Recorder {
                 let text = format!("{address} at {position}");
                 log.write("/door", time, &StringMessage(text))
             }
-            Event::Models(used) => {
-                // Without the latency, which differs from run to run.
-                let ModelUse {
-                    calls,
-                    failed,
-                    prompt_tokens,
-                    completion_tokens,
-                    ..
-                } = used;
-                let text = format!(
-                    "{calls} calls, {failed} failed, {prompt_tokens} prompt tokens, \
-                     {completion_tokens} completion tokens"
-                );
-                log.write("/models", time, &StringMessage(text))
-            }
+            Event::Models(used) => log.write("/models", time, &StringMessage(used_in_words(used))),
             Event::Note(text) => log.write("/note", time, &StringMessage(text.clone())),
             // Several for each observation: the sums are in the results.
             Event::Work(_) | Event::WallTime(_) => Ok(()),
@@ -391,6 +367,37 @@ fn write_state(
 fn write_pose(log: &mut LogFile, time: SimTime, name: &str, pose: Pose3) -> Result<(), LogError> {
     let transform = robot::transform(time, "map", name, pose);
     log.write("/tf", time, &TfMessage(vec![transform]))
+}
+
+/// Writes the poses that the agent may have, and the facades by which it looked for them.
+fn write_comparison(
+    log: &mut LogFile,
+    time: SimTime,
+    found: &MapComparison,
+) -> Result<(), LogError> {
+    let poses = found.hypotheses.iter();
+    let hypotheses = PoseArray {
+        header: Header::new(time, "map"),
+        poses: poses.map(|one| Pose::from(one.pose)).collect(),
+    };
+    log.write("/hypotheses", time, &hypotheses)?;
+    let facades = markers::of_facades(time, &found.facades);
+    log.write("/facades", time, &facades)
+}
+
+/// Without the latency, which differs from run to run.
+fn used_in_words(used: &ModelUse) -> String {
+    let ModelUse {
+        calls,
+        failed,
+        prompt_tokens,
+        completion_tokens,
+        ..
+    } = used;
+    format!(
+        "{calls} calls, {failed} failed, {prompt_tokens} prompt tokens, {completion_tokens} \
+         completion tokens"
+    )
 }
 
 fn write_camera_info(
