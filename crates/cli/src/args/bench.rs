@@ -52,7 +52,7 @@ Examples:
   openbench bench localization medium --start 10m --level good --poses 20 --jobs 2
   openbench bench localization medium-7 medium-8 --start block --level city --drives drives
   openbench bench localization krems --start off --beside heidelberg --json
-  openbench bench localization medium --poses 50 --peers
+  openbench bench localization medium --poses 50 --peers --peer ./my-program
   openbench bench localization medium --labels truth
   openbench bench localization medium --without building-offsets
   openbench bench localization krems --poses 2 --drive 3000 --odometry-drift 0.01")]
@@ -98,6 +98,10 @@ pub struct BenchLocalizationArgs {
     /// Also localize by odometry alone, by ICP and by a particle filter, on the same drives
     #[arg(long, conflicts_with = "examples")]
     pub peers: bool,
+    /// Also localize by a program of your own, on the same drives. It gets lines of JSON and
+    /// answers with poses, as benchmarks/localization/global_registration.py does
+    #[arg(long, conflicts_with = "examples")]
+    pub peer: Vec<PathBuf>,
     /// Only write all candidate poses with their errors, one in a line, to fit probabilities to
     #[arg(long, value_name = "FILE.jsonl")]
     pub examples: Option<PathBuf>,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use openbench_bench::suite::{Condition, Conditions, GoalKind, StartErrors};
@@ -47,7 +47,7 @@ struct Found {
     worlds: BTreeMap<String, Report>,
     /// What other ways find on all worlds together, if they were asked for.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    peers: BTreeMap<&'static str, Report>,
+    peers: BTreeMap<String, Report>,
 }
 
 /// Localizes a robot on drives through worlds.
@@ -93,9 +93,9 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
             let moments = trials(&prepared, &cases, without, threads);
             worlds.insert(name, Report::of(&moments, is_on_map));
             all.extend(moments);
-            for peer in PeerKind::ALL.into_iter().filter(|_| args.peers) {
+            for peer in peers(args) {
                 let known: &mut Vec<_> = of_peers.entry(peer.name()).or_default();
-                known.extend(peer_trials(peer, &cases, threads));
+                known.extend(peer_trials(&peer, &cases, threads)?);
             }
         }
         bar.inc(1);
@@ -126,6 +126,14 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
         say(&table(&found))?;
     }
     Ok(Outcome::Done)
+}
+
+/// Other ways that are asked for.
+fn peers(args: &BenchLocalizationArgs) -> impl Iterator<Item = PeerKind> {
+    let built_in = PeerKind::BUILT_IN.into_iter().filter(|_| args.peers);
+    // A name without a folder is a file, and no command of the search path.
+    let file = |path: &PathBuf| PeerKind::Program(Path::new(".").join(path));
+    built_in.chain(args.peer.iter().map(file))
 }
 
 /// The seed of starts and map errors in a world: by its name, so that worlds do not share their
@@ -356,7 +364,7 @@ fn line(
     ]: [&str; 10],
 ) -> String {
     format!(
-        "{world:<16}  {n:>5}  {within:>27}  {metre:>5}  {accepted:>8}  {fixes:>6}  {wrong:>5}  \
+        "{world:<30}  {n:>5}  {within:>27}  {metre:>5}  {accepted:>8}  {fixes:>6}  {wrong:>5}  \
          {inside:>9}  {wall:>9}  {ms:>5}\n"
     )
 }

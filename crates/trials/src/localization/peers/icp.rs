@@ -11,7 +11,7 @@ use openbench_geometry::Segment;
 use openbench_localization::registration::Stretch;
 use openbench_osm::OsmMap;
 
-use super::peer::{Peer, guess, seen_from, walls};
+use super::peer::{Peer, PeerError, guess, seen_from, walls};
 
 /// So many stretches are aligned together: 40 m.
 const STRETCHES: usize = 8;
@@ -83,7 +83,7 @@ impl Icp {
 }
 
 impl Peer for Icp {
-    fn take(&mut self, stretch: &Stretch) -> Pose2 {
+    fn take(&mut self, stretch: &Stretch) -> Result<Pose2, PeerError> {
         let here = stretch.end;
         self.stretches.push_back(stretch.clone());
         if self.stretches.len() > STRETCHES {
@@ -104,7 +104,7 @@ impl Peer for Icp {
             }
         };
         self.last = Some((pose, here));
-        pose
+        Ok(pose)
     }
 }
 

@@ -7,6 +7,7 @@
 //! | `odometry` | the start as it is given, carried on by odometry |
 //! | `icp` | points of facades aligned with outlines, from the start on |
 //! | `particles` | Monte Carlo localization with a likelihood field, as in AMCL |
+//! | `program` | a program of one's own, which gets lines of JSON |
 //!
 //! Their constants are first values from the literature and were not tuned.
 
@@ -14,8 +15,9 @@ mod icp;
 mod odometry;
 mod particles;
 mod peer;
+mod program;
 
-use std::convert::Infallible;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use openbench_bench::run::threads;
@@ -25,12 +27,14 @@ use openbench_osm::OsmMap;
 use self::icp::Icp;
 use self::odometry::Odometry;
 use self::particles::Particles;
+pub use self::peer::PeerError;
 use self::peer::{Peer, guess};
+use self::program::Program;
 use super::cases::Case;
 use super::trial::{Moment, PoseErrors, pose_errors};
 
 /// The ways that there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PeerKind {
     /// The start, carried on by odometry.
     Odometry,
@@ -38,43 +42,56 @@ pub enum PeerKind {
     Icp,
     /// Monte Carlo localization.
     Particles,
+    /// A program of one's own.
+    Program(PathBuf),
 }
 
 impl PeerKind {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Odometry, Self::Icp, Self::Particles];
+    /// Those that are no programs of one's own.
+    pub const BUILT_IN: [Self; 3] = [Self::Odometry, Self::Icp, Self::Particles];
 
     /// As in results.
-    pub const fn name(self) -> &'static str {
+    pub fn name(&self) -> String {
         match self {
-            Self::Odometry => "odometry",
-            Self::Icp => "icp",
-            Self::Particles => "particles",
+            Self::Odometry => "odometry".into(),
+            Self::Icp => "icp".into(),
+            Self::Particles => "particles".into(),
+            Self::Program(path) => {
+                let stem = path.file_stem().unwrap_or_default();
+                format!("program:{}", stem.to_string_lossy())
+            }
         }
     }
 
-    fn begin(self, map: &OsmMap, start: &Start, seed: u64) -> Box<dyn Peer> {
-        match self {
+    fn begin(&self, map: &OsmMap, start: &Start, seed: u64) -> Result<Box<dyn Peer>, PeerError> {
+        Ok(match self {
             Self::Odometry => Box::new(Odometry::new(guess(map, start))),
             Self::Icp => Box::new(Icp::new(map, start)),
             Self::Particles => Box::new(Particles::new(map, start, seed)),
-        }
+            Self::Program(path) => Box::new(Program::new(path, map, start)?),
+        })
     }
 }
 
 /// Localizes the robot on the drives of all cases in this way.
-pub fn peer_trials(kind: PeerKind, cases: &[Case<'_>], threads: usize) -> Vec<Vec<Moment>> {
-    let one = |i: usize| Ok::<_, Infallible>(trial(kind, &cases[i], i as u64));
-    let moments = threads::each(0..cases.len(), threads, one, Ok::<_, Infallible>);
-    moments.unwrap_or_else(|never| match never {})
+///
+/// # Errors
+/// [`PeerError`] of a program of one's own.
+pub fn peer_trials(
+    kind: &PeerKind,
+    cases: &[Case<'_>],
+    threads: usize,
+) -> Result<Vec<Vec<Moment>>, PeerError> {
+    let one = |i: usize| trial(kind, &cases[i], i as u64);
+    threads::each(0..cases.len(), threads, one, Ok)
 }
 
-fn trial(kind: PeerKind, case: &Case<'_>, seed: u64) -> Vec<Moment> {
-    let mut peer = kind.begin(&case.map.map, &case.start, seed);
+fn trial(kind: &PeerKind, case: &Case<'_>, seed: u64) -> Result<Vec<Moment>, PeerError> {
+    let mut peer = kind.begin(&case.map.map, &case.start, seed)?;
     let mut moments = Vec::new();
     for shown in case.drive.shown() {
         let began = Instant::now();
-        let pose = peer.take(&shown.seen.stretch);
+        let pose = peer.take(&shown.seen.stretch)?;
         let ms = began.elapsed().as_secs_f64() * 1e3;
         let truth = case.on_map(shown.seen.truth);
         let error = truth.map_or(PoseErrors::ELSEWHERE, |truth| pose_errors(pose, truth));
@@ -86,7 +103,7 @@ fn trial(kind: PeerKind, case: &Case<'_>, seed: u64) -> Vec<Moment> {
             ms,
         });
     }
-    moments
+    Ok(moments)
 }
 
 #[cfg(test)]
@@ -163,11 +180,11 @@ mod tests {
             covariance: [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 0.01]],
         };
         let error = |kind: PeerKind| {
-            let mut peer = kind.begin(&map, &start, 1);
+            let mut peer = kind.begin(&map, &start, 1).unwrap();
             let mut error = f64::INFINITY;
             for i in 0..4 {
                 let truth = Pose2::new(5.0 + 5.0 * f64::from(i), 2.0, 0.0);
-                let pose = peer.take(&stretch(&map, truth, 5.0));
+                let pose = peer.take(&stretch(&map, truth, 5.0)).unwrap();
                 error = pose.point().distance(truth.point());
             }
             error
@@ -178,6 +195,31 @@ mod tests {
         assert!(particles < 0.8, "{particles}");
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn a_program_says_the_pose_or_what_it_did_instead() {
+        use std::os::unix::fs::PermissionsExt;
+
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mine.sh");
+        let said = |script: &str| {
+            std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+            std::fs::set_permissions(&path, PermissionsExt::from_mode(0o755)).unwrap();
+            let kind = PeerKind::Program(path.clone());
+            assert_eq!(kind.name(), "program:mine");
+            let mut peer = kind.begin(&map(), &Start::Anywhere, 1)?;
+            peer.take(&stretch(&map(), Pose2::default(), 5.0))
+        };
+        let pose = said("read begin; echo; read stretch; echo '{\"pose\": [1, 2, 0.5]}'; read end");
+        assert_eq!(pose.unwrap(), Pose2::new(1.0, 2.0, 0.5));
+        let error = said("read begin; echo; read stretch; echo here; read end").unwrap_err();
+        assert!(error.to_string().contains("`here` is no pose"), "{error}");
+        let error = said("read begin").unwrap_err();
+        assert!(error.to_string().contains("mine.sh: no answer"), "{error}");
+        let missing = PeerKind::Program(folder.path().join("nothing"));
+        assert!(missing.begin(&map(), &Start::Anywhere, 1).is_err());
+    }
+
     #[test]
     fn without_buildings_they_stay_with_the_start() {
         let nothing = OsmMap::new(
@@ -185,9 +227,9 @@ mod tests {
             Georeference::tangent_plane(LonLat::new(0.0, 0.0)),
         );
         let start = Pose2::new(5.0, 2.0, 0.0);
-        for kind in PeerKind::ALL {
-            let mut peer = kind.begin(&nothing, &Start::exact(start), 1);
-            let pose = peer.take(&stretch(&map(), start, 0.0));
+        for kind in PeerKind::BUILT_IN {
+            let mut peer = kind.begin(&nothing, &Start::exact(start), 1).unwrap();
+            let pose = peer.take(&stretch(&map(), start, 0.0)).unwrap();
             assert!(
                 pose.point().distance(start.point()) < 0.5,
                 "{}",

@@ -3,7 +3,7 @@
 use openbench_core::Pose2;
 use openbench_localization::registration::Stretch;
 
-use super::peer::Peer;
+use super::peer::{Peer, PeerError};
 
 /// The start, carried on by odometry.
 pub(super) struct Odometry {
@@ -22,9 +22,9 @@ impl Odometry {
 }
 
 impl Peer for Odometry {
-    fn take(&mut self, stretch: &Stretch) -> Pose2 {
+    fn take(&mut self, stretch: &Stretch) -> Result<Pose2, PeerError> {
         let last = self.last.replace(stretch.end).unwrap_or(stretch.end);
         self.pose = self.pose.compose(stretch.end.seen_from(last));
-        self.pose
+        Ok(self.pose)
     }
 }

@@ -12,7 +12,7 @@ use openbench_osm::OsmMap;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
-use super::peer::{Peer, bounds, guess, seen_from, walls};
+use super::peer::{Peer, PeerError, bounds, guess, seen_from, walls};
 
 /// Particles: the most of AMCL's defaults.
 const PARTICLES: usize = 5000;
@@ -131,7 +131,7 @@ impl Particles {
 }
 
 impl Peer for Particles {
-    fn take(&mut self, stretch: &Stretch) -> Pose2 {
+    fn take(&mut self, stretch: &Stretch) -> Result<Pose2, PeerError> {
         let last = self.last.replace(stretch.end).unwrap_or(stretch.end);
         self.predict(stretch.end.seen_from(last));
         let stride = stretch.facades.len().div_ceil(POINTS).max(1);
@@ -142,7 +142,7 @@ impl Peer for Particles {
             .map(|facade| seen_from(stretch.end, facade.at))
             .collect();
         self.resample(&points);
-        self.mean()
+        Ok(self.mean())
     }
 }
 

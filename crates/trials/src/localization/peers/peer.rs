@@ -1,14 +1,50 @@
 //! What every way has, and what they share.
 
+use std::path::PathBuf;
+
 use openbench_core::{MapPoint, Pose2, Start};
 use openbench_geometry::{Bounds, Segment};
 use openbench_localization::registration::Stretch;
 use openbench_osm::OsmMap;
+use thiserror::Error;
 
 /// A way to find out where the robot is.
 pub(super) trait Peer {
     /// Takes in what the robot saw, and says its pose at the end.
-    fn take(&mut self, stretch: &Stretch) -> Pose2;
+    ///
+    /// # Errors
+    /// [`PeerError`] of a program of one's own.
+    fn take(&mut self, stretch: &Stretch) -> Result<Pose2, PeerError>;
+}
+
+/// Why a program of one's own says no pose.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PeerError {
+    /// It cannot be started, ended, answered too much, or did not answer for a minute.
+    #[error(
+        "{}: no answer; it must be executable and answer each line with one of its own",
+        path.display()
+    )]
+    Program {
+        /// The program.
+        path: PathBuf,
+        /// What happened.
+        source: std::io::Error,
+    },
+    /// Its answer is no pose.
+    #[error(
+        "{}: `{answer}` is no pose; the answer must be {{\"pose\": [x, y, yaw]}}",
+        path.display()
+    )]
+    Answer {
+        /// The program.
+        path: PathBuf,
+        /// The beginning of its answer.
+        answer: String,
+        /// What is wrong with it.
+        source: serde_json::Error,
+    },
 }
 
 /// The most likely start: without a pose the middle of what is known, heading east.
