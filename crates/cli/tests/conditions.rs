@@ -142,14 +142,20 @@ fn suites_have_conditions_and_the_command_line_changes_them() {
 }
 
 #[test]
-fn an_agent_that_needs_a_pose_says_so() {
+fn an_agent_that_needs_a_pose_says_so_and_finds_it_on_the_map() {
     let place = place();
-    let words = "run one.toml --record none --json --condition start=block --out r";
-    let results = place.openbench(words).succeeded().json();
-    let delivery = &results["deliveries"][0];
-    assert_eq!(delivery["failure"], "lost", "{delivery}");
-    let detail = delivery["failure_detail"].as_str().unwrap();
+    let delivery = |fixes: &str| {
+        let words = format!(
+            "run one.toml --record none --json --condition start=block --set fixes={fixes} --out r"
+        );
+        place.openbench(&words).succeeded().json()["deliveries"][0].clone()
+    };
+    let without = delivery("none");
+    assert_eq!(without["failure"], "lost", "{without}");
+    let detail = without["failure_detail"].as_str().unwrap();
     assert!(detail.contains("within 75 m"), "{detail}");
+    let found = delivery("osm");
+    assert_eq!(found["success_2m"], true, "{found}");
 }
 
 #[test]
