@@ -1,0 +1,61 @@
+#!/bin/sh
+# Localizes on worlds for tests (docs/tuning.md), one JSON file for each row of the tables.
+# Usage: test.sh OPENBENCH FOLDER MONACO.osm.pbf PUBLISHED GAZEBO_MODELS
+#
+# Files that are there are kept, so the command goes on after an interruption. PUBLISHED is the
+# folder that `openbench data pull published` writes. POSES is the number of drives in each world,
+# 40 by default.
+set -eu
+if [ $# -ne 5 ]; then
+    sed -n 2,7p "$0" >&2
+    exit 2
+fi
+openbench=$1 folder=$2 monaco=$3 published=$4 models=$5
+here=$(cd "$(dirname "$0")" && pwd)
+poses=${POSES:-40}
+drawn="medium-11000 medium-11001 medium-11002 medium-11003 large-11004 large-11005 small-11006"
+mkdir -p "$folder"
+
+# row NAME ARGUMENTS
+row() {
+    file=$folder/$1.json
+    shift
+    [ -e "$file" ] && return
+    echo "$(date +%T) $file" >&2
+    "$openbench" bench localization "$@" --drives "$folder/drives" --jobs 2 --seed 11000 \
+        --json > "$file.part"
+    mv "$file.part" "$file"
+}
+
+# 400 m by 400 m of Monaco, in four places.
+windows=
+for place in 7.4150,43.7310 7.4215,43.7360 7.4270,43.7400 7.4190,43.7270; do
+    window=$folder/monaco-$place
+    [ -e "$window" ] || "$openbench" world generate --map "$monaco" --around "$place" \
+        --radius 200 --seed 11000 --out "$window"
+    windows="$windows $window"
+done
+
+for level in good city; do
+    # shellcheck disable=SC2086 # a list of words
+    row "$level-10m" $drawn monaco --level $level --start 10m --poses "$poses" --peers \
+        --peer "$here/global_registration.py"
+    for start in block off; do
+        # shellcheck disable=SC2086 # a list of words
+        row "$level-$start" $drawn monaco --level $level --start $start --beside medium-11009 \
+            --poses "$poses"
+    done
+    # shellcheck disable=SC2086 # a list of words
+    row "$level-map" $windows --level $level --start map --poses "$poses"
+    # shellcheck disable=SC2086 # a list of words
+    row "$level-10m-truth" $drawn monaco --level $level --start 10m --poses "$poses" --labels truth
+    for world in small medium; do
+        for start in 10m block; do
+            row "$level-$start-published-$world" --level $level --start $start --poses "$poses" \
+                --world "$published/$world/${world}_osm.world" \
+                --map "$published/$world/$world.osm" --models "$models"
+        done
+    done
+done
+row good-3km medium-11000 monaco --level good --start 10m --poses 2 --drive 3000 \
+    --odometry-drift 0.01
