@@ -27,13 +27,15 @@ HEIGHTS_M = np.arange(0.0, 3.01, SPACING_M)
 STRETCHES = 8
 #: Walls farther away are not compared.
 REACH_M = 80.0
+#: With fewer points than this nothing is compared.
+FEWEST = 10
 #: Points farther from all walls are left out of the refinement.
 FARTHEST_M = 4.0
 
 
 def raised(points):
     """Points on the ground, repeated up to the height of a storey."""
-    return np.array([[x, y, z] for x, y in points for z in HEIGHTS_M])
+    return np.array([[x, y, z] for x, y in points for z in HEIGHTS_M]).reshape(-1, 3)
 
 
 def sampled(walls):
@@ -64,8 +66,12 @@ class Matcher:
 
     def __init__(self, walls, guess, knows_heading, within_m):
         del knows_heading  # The matcher needs no heading.
-        self.walls = sampled(walls)
-        self.centre, self.within_m = np.array(guess[:2]), within_m
+        #: Clouds are about the first guess: the matcher computes in single precision.
+        self.middle = np.array([*guess[:2], 0.0])
+        points = sampled(walls) - self.middle[:2]
+        # The way is short beside what may be in sight.
+        self.walls = raised(points[np.linalg.norm(points, axis=1) < within_m + REACH_M])
+        self.target = prepared(self.walls) if len(self.walls) else None
         #: From the frame of odometry to the map.
         self.to_map = None
         self.guess = guess
@@ -77,29 +83,25 @@ class Matcher:
         if self.to_map is None:
             self.to_map = matrix(*self.guess) @ np.linalg.inv(matrix(*end))
         points = [tuple(point) for stretch in self.seen for point in stretch]
-        near = self.near()
-        if len(points) > 10 and len(near) > 10:
-            self.match(raised(points), raised(near))
+        if len(points) > FEWEST and self.target is not None:
+            self.match(raised(points))
         return flat(self.to_map @ matrix(*end))
 
-    def near(self):
-        """Walls that may be in sight. The way is short beside what is not known of the start."""
-        distances = np.linalg.norm(self.walls - self.centre, axis=1)
-        return self.walls[distances < self.within_m + REACH_M]
-
-    def match(self, points, walls):
+    def match(self, points):
         """Estimates the transform anew: the pose so far and that of the matcher are refined."""
-        # Centred clouds: the matcher computes in single precision.
-        middle = np.append(self.centre, 0.0)
         carried = self.to_map.copy()
-        carried[:3, 3] -= middle
-        target = small_gicp.preprocess_points(walls - middle, VOXEL_M / 2)
-        source = small_gicp.preprocess_points(points, VOXEL_M / 2)
-        firsts = [carried, *matched(points, walls - middle)]
-        results = [refined(target, source, first) for first in firsts]
+        carried[:3, 3] -= self.middle
+        source = prepared(points)
+        firsts = [carried, *matched(points, self.walls)]
+        results = [refined(self.target, source, first) for first in firsts]
         best = max(results, key=lambda one: (one.num_inliers, -one.error))
         x, y, yaw = flat(best.T_target_source)
-        self.to_map = matrix(x + middle[0], y + middle[1], yaw)
+        self.to_map = matrix(x + self.middle[0], y + self.middle[1], yaw)
+
+
+def prepared(points):
+    """A cloud for GICP, thinned out, with its tree."""
+    return small_gicp.preprocess_points(points, VOXEL_M / 2)
 
 
 def matched(points, walls):

@@ -5,8 +5,8 @@
     python3 benchmarks/localization/reliability.py OUT.svg FILE.jsonl...
 
 Left, the reliability diagram: the best pose after each five metres of all drives, by probability.
-Right, risk over coverage: of the poses above any probability, the share that is wrong, over the
-share of all that they are. Prints both as numbers.
+Right, risk over coverage. For each probability, coverage is the share of poses above it, and risk
+is the share of these that is wrong. Prints both as numbers.
 """
 
 import collections
@@ -18,7 +18,7 @@ import sys
 RIGHT_M, RIGHT_RAD = 3.0, 0.15
 LIMITS = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.98, 1.0]
 COVERAGES = [0.2, 0.4, 0.6, 0.8, 0.9, 1.0]
-#: Wrong poses are drawn up to this share; below the least one the axis ends, as it is logarithmic.
+#: Ends of the logarithmic axis of wrong poses.
 MOST_RISK, LEAST_RISK = 1.0, 1e-4
 #: Standard deviations of an interval of 95 %.
 Z = 1.96
@@ -78,7 +78,8 @@ class Chart:
         self.text(0.5, -0.16, labels[0], "middle")
         x, y = self.at(-0.16, 0.5)
         rotated = f'transform="rotate(-90 {x:.1f} {y:.1f})"'
-        self.parts.append(f'<text x="{x:.1f}" y="{y:.1f}" {rotated} text-anchor="middle">{labels[1]}</text>')
+        place = f'x="{x:.1f}" y="{y:.1f}" text-anchor="middle"'
+        self.parts.append(f"<text {place} {rotated}>{labels[1]}</text>")
         for at, label in ticks[0]:
             self.line([(at, 0), (at, 1)], "grid")
             self.text(at, -0.07, label, "middle")
@@ -119,7 +120,10 @@ def risk_chart(curve):
     shares = [(i / 5, f"{20 * i}") for i in range(6)]
     labels = ("coverage: poses that are trusted, %", "risk: wrong ones of them, %")
     chart = Chart(MARGIN + SIDE + GAP, "Risk over coverage", labels, (shares, ticks))
-    height = lambda risk: math.log10(max(risk, LEAST_RISK) / LEAST_RISK) / decades
+
+    def height(risk):
+        return math.log10(max(risk, LEAST_RISK) / LEAST_RISK) / decades
+
     # A point for each half percent is fine enough.
     step = max(1, len(curve) // 200)
     chart.line([(coverage, height(risk)) for coverage, risk in curve[::step] + curve[-1:]], "curve")
@@ -154,7 +158,9 @@ def main():
     with open(sys.argv[1], "w") as file:
         file.write(
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}">\n{STYLE}\n'
-            f'<rect width="{width}" height="{height}" fill="#fff"/>\n' + "\n".join(parts) + "\n</svg>\n"
+            f'<rect width="{width}" height="{height}" fill="#fff"/>\n'
+            + "\n".join([*parts, "</svg>"])
+            + "\n"
         )
 
 
