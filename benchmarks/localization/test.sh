@@ -4,15 +4,17 @@
 #
 # Files that are there are kept, so the command goes on after an interruption. PUBLISHED is the
 # folder that `openbench data pull published` writes. POSES is the number of drives in each world,
-# 40 by default.
+# 40 by default; those of windows and published worlds have half as many. The packages from PyPI,
+# which are slow, get the drives of two worlds.
 set -eu
 if [ $# -ne 5 ]; then
-    sed -n 2,7p "$0" >&2
+    sed -n 2,8p "$0" >&2
     exit 2
 fi
 openbench=$1 folder=$2 monaco=$3 published=$4 models=$5
 here=$(cd "$(dirname "$0")" && pwd)
 poses=${POSES:-40}
+half=$(((poses + 1) / 2))
 drawn="medium-11000 medium-11001 medium-11002 medium-11003 large-11004 large-11005 small-11006"
 mkdir -p "$folder"
 
@@ -38,7 +40,8 @@ done
 
 for level in good city; do
     # shellcheck disable=SC2086 # a list of words
-    row "$level-10m" $drawn monaco --level $level --start 10m --poses "$poses" --peers \
+    row "$level-10m" $drawn monaco --level $level --start 10m --poses "$poses" --peers
+    row "$level-10m-packages" medium-11000 monaco --level $level --start 10m --poses "$poses" \
         --peer "$here/global_registration.py"
     for start in block off; do
         # shellcheck disable=SC2086 # a list of words
@@ -46,12 +49,12 @@ for level in good city; do
             --poses "$poses"
     done
     # shellcheck disable=SC2086 # a list of words
-    row "$level-map" $windows --level $level --start map --poses "$poses"
+    row "$level-map" $windows --level $level --start map --poses "$half"
     # shellcheck disable=SC2086 # a list of words
     row "$level-10m-truth" $drawn monaco --level $level --start 10m --poses "$poses" --labels truth
     for world in small medium; do
         for start in 10m block; do
-            row "$level-$start-published-$world" --level $level --start $start --poses "$poses" \
+            row "$level-$start-published-$world" --level $level --start $start --poses "$half" \
                 --world "$published/$world/${world}_osm.world" \
                 --map "$published/$world/$world.osm" --models "$models"
         done

@@ -7,7 +7,7 @@
 
 use openbench_core::{
     AcceptedPose, Briefing, CostGrid, Event, Events, GnssFix, Goal, Hypothesis, MapComparison,
-    MapPoint, Observation, Pose2, PoseEstimate,
+    MapPoint, Observation, PlaceScores, Pose2, PoseEstimate,
 };
 
 /// A start nearer to the origin than this keeps its frame.
@@ -113,10 +113,15 @@ impl Border {
             ..accepted
         });
         let facades = comparison.facades.into_iter();
+        let places = comparison.places.map(|places| PlaceScores {
+            origin: self.outwards(places.origin),
+            ..places
+        });
         MapComparison {
             hypotheses: hypotheses.collect(),
             accepted,
             facades: facades.map(|at| self.outwards(at)).collect(),
+            places,
         }
     }
 
@@ -200,6 +205,12 @@ mod tests {
         let mut told = Vec::new();
         let pose = Pose2::new(1.0, 2.0, 0.5);
         let covariance = [[0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.3]];
+        let places = |origin| PlaceScores {
+            origin,
+            cell_m: 2.0,
+            width: 1,
+            cells: vec![100],
+        };
         border
             .events(&mut told)
             .record(Event::MapComparison(MapComparison {
@@ -209,6 +220,7 @@ mod tests {
                 }],
                 accepted: Some(AcceptedPose { pose, covariance }),
                 facades: vec![MapPoint::new(7.0, 8.0)],
+                places: Some(places(MapPoint::new(-9.0, 4.0))),
             }));
         let pose = Pose2::new(5001.0, -298.0, 0.5);
         let outer = MapComparison {
@@ -218,6 +230,7 @@ mod tests {
             }],
             accepted: Some(AcceptedPose { pose, covariance }),
             facades: vec![MapPoint::new(5007.0, -292.0)],
+            places: Some(places(MapPoint::new(4991.0, -296.0))),
         };
         assert_eq!(told, [Event::MapComparison(outer)]);
     }

@@ -20,6 +20,20 @@ pub struct AcceptedPose {
     pub covariance: [[f64; 3]; 3],
 }
 
+/// How well places fit what an agent saw, each with its best heading.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PlaceScores {
+    /// South-west corner in `map`.
+    pub origin: MapPoint,
+    /// Side of a cell, metres.
+    pub cell_m: f64,
+    /// Columns.
+    pub width: usize,
+    /// The cells, row by row from the south-west: linear in the log-likelihood, from 0 for the
+    /// worst of all to 100 for the best; -1 where the agent cannot be.
+    pub cells: Vec<i8>,
+}
+
 /// What an agent found when it compared what it saw with its map, to find out where it is.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MapComparison {
@@ -30,4 +44,6 @@ pub struct MapComparison {
     /// Some of the facades that it saw, where they are in `map` if it has the accepted pose, or
     /// else the most probable one.
     pub facades: Vec<MapPoint>,
+    /// How well all places fit, while the agent does not know where it is.
+    pub places: Option<PlaceScores>,
 }

@@ -43,7 +43,7 @@ pub mod work;
 pub use address::Address;
 pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation, Velocity};
 pub use causes::with_causes;
-pub use comparison::{AcceptedPose, Hypothesis, MapComparison};
+pub use comparison::{AcceptedPose, Hypothesis, MapComparison, PlaceScores};
 pub use distortion::{Distortion, PlanePoint};
 pub use events::{CostGrid, Discard, Event, Events, PoseEstimate};
 pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};

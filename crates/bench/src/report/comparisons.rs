@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use nalgebra::{Matrix2, SymmetricEigen};
-use openbench_core::{AcceptedPose, Hypothesis, MapComparison, Pose2};
+use openbench_core::{AcceptedPose, Hypothesis, MapComparison, MapPoint, PlaceScores, Pose2};
 
 use super::input::WorldMap;
 use super::map::{View, draw_world};
@@ -21,6 +21,12 @@ const SHOWN: f64 = 0.01;
 const PROBABLE: f64 = 0.5;
 /// Squared radius of an ellipse that holds 95 % of a normal distribution of two dimensions.
 const CHI2_95: f64 = 5.991;
+/// Places are the stronger the better they fit: the opacity of the best one,
+const BEST_OPACITY: f64 = 0.8;
+/// how fast it falls with the score,
+const CONTRAST: i32 = 3;
+/// and what is too weak to be seen.
+const LEAST_OPACITY: f64 = 0.02;
 /// Radius of an ellipse that is too small to be seen, pixels.
 const LEAST_PX: f64 = 4.0;
 
@@ -37,8 +43,9 @@ pub fn render(out: &mut String, world: &WorldMap, comparisons: &[TimedComparison
     out.push_str(
         "</div>\n<p class=\"note\">Ring: the true place. Dots: places where the robot may be, the \
          larger the more probable. Green: the accepted place with its ellipse of 95 %. Small \
-         squares: facades that the robot saw, as they would lie on its map. Errors are those on \
-         the map as the robot has it.</p>\n",
+         squares: facades that the robot saw, as they would lie on its map. Coloured ground: how \
+         well each place fits what the robot saw, with its best heading, while it did not know \
+         its place. Errors are those on the map as the robot has it.</p>\n",
     );
 }
 
@@ -83,6 +90,9 @@ fn picture(out: &mut String, world: &WorldMap, moment: &TimedComparison) {
          <rect class=\"ground\" width=\"{SIDE_PX}\" height=\"{SIDE_PX}\"/>"
     );
     draw_world(out, &view, world);
+    if let Some(scores) = &found.places {
+        places(out, &view, scores, SIDE_PX / (2.0 * reach));
+    }
     let facades = found.facades.iter().map(|at| view.pixel(*at));
     // Agents may report anything, and SVG knows no NaN.
     for [x, y] in facades.filter(|at| at.iter().all(|value| value.is_finite())) {
@@ -113,6 +123,39 @@ fn picture(out: &mut String, world: &WorldMap, moment: &TimedComparison) {
         "<circle class=\"truth\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"9\"/></svg>\
          <figcaption>{caption}</figcaption></figure>"
     );
+}
+
+/// Colours the ground by how well it fits.
+fn places(out: &mut String, view: &View, scores: &PlaceScores, pixels_per_metre: f64) {
+    let PlaceScores {
+        origin,
+        cell_m,
+        width,
+        cells,
+    } = scores;
+    let side = cell_m * pixels_per_metre;
+    for (cell, score) in cells.iter().enumerate() {
+        let share = f64::from(*score).clamp(0.0, 100.0) / 100.0;
+        let opacity = BEST_OPACITY * share.powi(CONTRAST);
+        let (Some(row), Some(column)) = (cell.checked_div(*width), cell.checked_rem(*width)) else {
+            return;
+        };
+        // The corner that is at the top and on the left in a picture.
+        let north_west = MapPoint::new(
+            origin.x + column as f64 * cell_m,
+            origin.y + (row + 1) as f64 * cell_m,
+        );
+        let [x, y] = view.pixel(north_west);
+        let is_seen = |at: f64| at > -side && at < SIDE_PX;
+        // Nothing that is not finite is seen.
+        if opacity >= LEAST_OPACITY && side.is_finite() && is_seen(x) && is_seen(y) {
+            let _ = writeln!(
+                out,
+                "<rect class=\"place\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{side:.1}\" \
+                 height=\"{side:.1}\" fill-opacity=\"{opacity:.2}\"/>"
+            );
+        }
+    }
 }
 
 fn is_finite(pose: Pose2) -> bool {
@@ -184,6 +227,7 @@ mod tests {
                     covariance: [[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.01]],
                 }),
                 facades: Vec::new(),
+                places: None,
             },
         }
     }
@@ -220,12 +264,28 @@ mod tests {
         broken.found.accepted.as_mut().unwrap().pose.x = nan;
         broken.found.hypotheses[0].pose.x = nan;
         broken.found.facades.push(MapPoint::new(nan, 0.0));
-        let all = [moment(1, 0.6, false), moment(9, 0.99, true), broken];
+        let places = |cell_m: f64, width: usize| PlaceScores {
+            origin: MapPoint::new(-2.0, -2.0),
+            cell_m,
+            width,
+            cells: vec![-1, 0, 50, 100],
+        };
+        broken.found.places = Some(places(nan, 2));
+        let mut first = moment(1, 0.6, false);
+        first.found.places = Some(places(2.0, 2));
+        let mut second = moment(9, 0.99, true);
+        second.found.places = Some(places(2.0, 0));
+        let all = [first, second, broken];
         render(&mut out, &WorldMap::default(), &all);
         assert_eq!(out.matches("<figure>").count(), 3);
         assert_eq!(out.matches("class=\"ellipse\"").count(), 1);
         // Variances of 4 and 1 m² at 320 px for 60 m.
         assert!(out.contains("rx=\"26.1\" ry=\"13.1\"") || out.contains("rx=\"13.1\" ry=\"26.1\""));
+        // Only cells that fit at all are drawn, the best one in the north-east of four.
+        assert_eq!(out.matches("class=\"place\"").count(), 2);
+        assert!(out.contains(
+            "x=\"160.0\" y=\"149.3\" width=\"10.7\" height=\"10.7\" fill-opacity=\"0.80\""
+        ));
         assert!(out.contains("none accepted; the best, with 60 %, is 5.0 m off"));
         assert!(!out.contains("NaN"), "{out}");
     }

@@ -2,7 +2,7 @@
 
 use openbench_core::{
     AcceptedPose, Address, Event, GiveUp, Health, Hypothesis, MapComparison, MapPoint, ModelUse,
-    Plan, Pose2, PoseEstimate,
+    PlaceScores, Plan, Pose2, PoseEstimate,
 };
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -99,6 +99,43 @@ pub struct Comparison {
     pub accepted: Option<Accepted>,
     /// Facades that it saw, in whole centimetres.
     pub facades: Vec<[i64; 2]>,
+    /// How well all places fit, while it does not know where it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub places: Option<Places>,
+}
+
+/// How well places fit what an agent saw.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Places {
+    /// South-west corner.
+    pub origin: Point,
+    /// Side of a cell, metres.
+    pub cell_m: Number,
+    /// Columns.
+    pub width: usize,
+    /// Scores, row by row: 0 to 100, -1 where the agent cannot be.
+    pub cells: Vec<i8>,
+}
+
+impl Places {
+    fn of(scores: &PlaceScores) -> Self {
+        Self {
+            origin: point(scores.origin),
+            cell_m: Number::new(scores.cell_m),
+            width: scores.width,
+            cells: scores.cells.clone(),
+        }
+    }
+
+    fn reported(&self) -> PlaceScores {
+        PlaceScores {
+            origin: map_point(self.origin),
+            cell_m: self.cell_m.value(),
+            width: self.width,
+            cells: self.cells.clone(),
+        }
+    }
 }
 
 /// A pose that an agent goes by.
@@ -131,6 +168,7 @@ impl Comparison {
                 .filter(is_finite)
                 .map(|at| [centimetres(at.x), centimetres(at.y)])
                 .collect(),
+            places: comparison.places.as_ref().map(Places::of),
         }
     }
 
@@ -152,6 +190,7 @@ impl Comparison {
             facades: facades
                 .map(|at| MapPoint::new(metres(at[0]), metres(at[1])))
                 .collect(),
+            places: self.places.as_ref().map(Places::reported),
         }
     }
 }
@@ -279,6 +318,12 @@ mod tests {
                 covariance: [[0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.3]],
             }),
             facades: vec![MapPoint::new(1.234, -5.678), MapPoint::new(f64::NAN, 0.0)],
+            places: Some(PlaceScores {
+                origin: MapPoint::new(-0.3, 1e6),
+                cell_m: 2.5,
+                width: 2,
+                cells: vec![0, 100, -1, 7],
+            }),
         };
         let deed = Deed::of(&Event::MapComparison(found.clone())).unwrap();
         let json = serde_json::to_string(&deed).unwrap();
@@ -288,6 +333,7 @@ mod tests {
         assert_eq!(deed, Deed::Compared(again.clone()));
         let again = again.reported();
         assert_eq!(again.accepted, found.accepted);
+        assert_eq!(again.places, found.places);
         assert_eq!(again.facades, [MapPoint::new(1.23, -5.68)]);
         assert!(again.hypotheses[0].pose.y.is_nan());
         assert_eq!(again.hypotheses[0].pose.x, pose.x);

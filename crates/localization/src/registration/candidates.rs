@@ -7,6 +7,7 @@ use openbench_geometry::Bounds;
 use super::chart::Chart;
 use super::explain::{Explained, explain};
 use super::field::Field;
+use super::landscape::Landscape;
 use super::modes::{Mode, distinct, modes};
 use super::prior::Prior;
 use super::probability::{Features, Merits, probabilities};
@@ -45,21 +46,25 @@ pub struct Candidate {
     pub probability: f64,
 }
 
-/// The most probable poses of a robot that sees a submap, the best one first. None where nothing
-/// is seen of a building, or where the area in which it can be is larger than two by two
-/// kilometres.
-pub fn candidates(
-    chart: &Chart,
-    submap: &Submap,
-    prior: &Prior,
-    assumed: &Assumptions,
-) -> Vec<Candidate> {
+/// What a search found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Found {
+    /// The most probable poses, the best one first.
+    pub candidates: Vec<Candidate>,
+    /// What all places cost; `None` where there are none.
+    pub landscape: Option<Landscape>,
+}
+
+/// Searches a robot that sees a submap. Finds nothing where nothing is seen of a building, or where
+/// the area in which it can be is larger than two by two kilometres.
+pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior, assumed: &Assumptions) -> Found {
+    let Some(area) = searched(chart, prior) else {
+        return Found::default();
+    };
     let evidence = Evidence::of(submap);
-    let area = searched(chart, prior);
-    let voted = area.map_or(Vec::new(), |area| voted(chart, area, &evidence, prior));
-    let volume = area.map_or(0.0, |area| prior.volume(area));
+    let (modes, landscape) = voted(chart, area, &evidence, prior);
     let mut candidates: Vec<Candidate> = Vec::new();
-    for mode in voted {
+    for mode in modes {
         let Some(refined) = refine(chart, submap, mode.pose, assumed) else {
             continue;
         };
@@ -80,8 +85,11 @@ pub fn candidates(
             probability: 0.0,
         });
     }
-    judge(&mut candidates, &evidence, volume);
-    candidates
+    judge(&mut candidates, &evidence, prior.volume(area));
+    Found {
+        candidates,
+        landscape: Some(landscape),
+    }
 }
 
 /// Gives candidates their probabilities, and puts the best one first. `volume` is the prior's.
@@ -123,15 +131,24 @@ fn searched(chart: &Chart, prior: &Prior) -> Option<Bounds> {
     Some(shifted(allowed, -origin.x, -origin.y).intersection(bounds.grown(SEEN_FROM_M)))
 }
 
-/// The modes of a vote over all places of an area where the robot can be.
-fn voted(chart: &Chart, area: Bounds, evidence: &Evidence, prior: &Prior) -> Vec<Mode> {
+/// The modes of a vote over all places of an area where the robot can be, and a picture of it.
+fn voted(
+    chart: &Chart,
+    area: Bounds,
+    evidence: &Evidence,
+    prior: &Prior,
+) -> (Vec<Mode>, Landscape) {
     let cost = |pose: Pose2| prior.cost(in_map(chart, pose));
+    let mut landscape = Landscape::over(area);
     let squares = squares(area);
     let found = squares.into_iter().flat_map(|square| {
         let field = Field::over(chart, square);
-        modes(&field, evidence, &prior.headings(), &cost, MOST_MODES)
+        let voted = modes(&field, evidence, &prior.headings(), &cost, MOST_MODES);
+        landscape.take(&field, &voted.least);
+        voted.modes
     });
-    distinct(found.collect(), MOST_MODES)
+    let modes = distinct(found.collect(), MOST_MODES);
+    (modes, landscape)
 }
 
 /// An area in squares; none if it would be too many.
@@ -179,6 +196,7 @@ mod tests {
         chart.origin = MapPoint::new(3e5, 5e6);
         let prior = Prior::new(&Start::Anywhere).unwrap();
         let found = candidates(&chart, &seen_from(truth), &prior, &Assumptions::default());
+        let found = found.candidates;
         let error = found[0].refined.pose.point().distance(truth.point());
         assert!(error < 0.05, "{error}");
         assert!(found[0].explained.facades > 0.9);
@@ -189,7 +207,8 @@ mod tests {
         let start = Start::exact(Pose2::new(1000.0, 0.0, 0.0));
         let prior = Prior::new(&start).unwrap();
         let seen = seen_from(Pose2::default());
-        assert!(candidates(&chart(&town()), &seen, &prior, &Assumptions::default()).is_empty());
+        let found = candidates(&chart(&town()), &seen, &prior, &Assumptions::default());
+        assert!(found.candidates.is_empty());
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Matrix3;
 use openbench_core::frames::wrap_angle;
-use openbench_core::{AcceptedPose, MapComparison, MapPoint, Pose2, Start};
+use openbench_core::{AcceptedPose, MapComparison, MapPoint, PlaceScores, Pose2, Start};
 use openbench_geometry::Bounds;
 use openbench_osm::OsmMap;
 
@@ -131,6 +131,8 @@ pub struct Locator {
     bank: Vec<Hypothesis>,
     /// Facades that were compared last, in the frame of the robot at the end of the way.
     seen: Vec<MapPoint>,
+    /// How well all places fitted, if it did not know where it was.
+    places: Option<PlaceScores>,
     judgement: Judgement,
     /// The accepted pose by all fixes so far; `None` if the robot is not localized.
     estimate: Option<Estimate>,
@@ -179,6 +181,7 @@ impl Locator {
             chart: None,
             bank: Vec::new(),
             seen: Vec::new(),
+            places: None,
             judgement: Judgement::default(),
             estimate: None,
             presumed: None,
@@ -226,6 +229,7 @@ impl Locator {
             hypotheses,
             accepted,
             facades: seen.collect(),
+            places: self.places.clone(),
         }
     }
 
@@ -304,7 +308,9 @@ impl Locator {
         self.seen = submap.facades.iter().map(|facade| facade.at).collect();
         let (chart, _) = self.chart.as_ref()?;
         let found = candidates(chart, submap, &prior, &self.judgement.assumed);
-        let located = found.into_iter().map(|candidate| Located {
+        let landscape = found.landscape.filter(|_| self.estimate.is_none());
+        self.places = landscape.and_then(|landscape| landscape.scores(chart, &prior));
+        let located = found.candidates.into_iter().map(|candidate| Located {
             pose: in_map(chart, candidate.refined.pose),
             candidate,
         });

@@ -31,7 +31,7 @@
 //! let half = 40.0;
 //! let area = Bounds { low: MapPoint::new(-half, -half), high: MapPoint::new(half, half) };
 //! let field = Field::over(&chart, area);
-//! let found = modes(&field, &Evidence::of(&seen), &Headings::ALL, &|_| 0.0, 5);
+//! let found = modes(&field, &Evidence::of(&seen), &Headings::ALL, &|_| 0.0, 5).modes;
 //! // A rectangle looks the same from its opposite sides: two poses cost the least.
 //! let gap = |i: usize| found[i].cost - found[0].cost;
 //! assert!(gap(1) < 0.1 * gap(2), "{:?}", found);
@@ -47,6 +47,7 @@
 //! | [`field`] | what each place of the map costs a piece of evidence |
 //! | [`mod@vote`] | the cost of every pose in an area |
 //! | [`mod@modes`] | the best of these poses |
+//! | `landscape` | a picture of the vote |
 //! | [`prior`] | where the robot can be by its start and its way |
 //! | [`mod@explain`] | how well a pose explains what was seen |
 //! | [`mod@candidates`] | the likely poses, refined and compared with what was seen |
@@ -63,6 +64,7 @@ mod columns;
 pub mod estimate;
 pub mod explain;
 pub mod field;
+mod landscape;
 pub mod locator;
 pub mod matching;
 pub mod modes;

@@ -26,8 +26,18 @@ pub struct Mode {
     pub cost: f64,
 }
 
-/// The best `most` modes of the places of a field's area and of headings; none without evidence of
-/// facades, which all poses explain equally well. `prior` is what a pose costs beforehand, nats;
+/// What a vote said.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Voted {
+    /// The best modes, the one that costs the least first.
+    pub modes: Vec<Mode>,
+    /// What each place of the area costs with its best heading, without the prior: row by row, in
+    /// [units](UNITS_PER_NAT); `u16::MAX` where no robot stands.
+    pub least: Vec<u16>,
+}
+
+/// The best `most` modes of the places of a field's area and of headings; nothing without evidence
+/// of facades, which all poses explain equally well. `prior` is what a pose costs beforehand, nats;
 /// infinite where the robot cannot be.
 pub fn modes(
     field: &Field,
@@ -35,15 +45,16 @@ pub fn modes(
     headings: &Headings,
     prior: &dyn Fn(Pose2) -> f64,
     most: usize,
-) -> Vec<Mode> {
+) -> Voted {
     if evidence.facades() == 0 {
-        return Vec::new();
+        return Voted::default();
     }
     let allowed = allowed_places(field);
     let mut best = u16::MAX;
     let mut candidates: Vec<Mode> = Vec::new();
     // Places that are not allowed cost the most, so that they hide none beside them.
     let mut costs = vec![u16::MAX; allowed.len()];
+    let mut least = costs.clone();
     vote(field, evidence, headings, &mut |slice| {
         let yaw = wrap_angle(slice.yaw);
         let pose_at = |place: usize| {
@@ -57,6 +68,9 @@ pub fn modes(
                     best = *voted;
                 }
             }
+        }
+        for (least, cost) in least.iter_mut().zip(&costs) {
+            *least = (*least).min(*cost);
         }
         let limit = best.saturating_add(MARGIN).min(u16::MAX - 1);
         for row in 0..field.rows {
@@ -78,7 +92,10 @@ pub fn modes(
             }
         }
     });
-    distinct(candidates, most)
+    Voted {
+        modes: distinct(candidates, most),
+        least,
+    }
 }
 
 /// Whether a robot can be at each place.
@@ -139,7 +156,7 @@ mod tests {
     fn voted(houses: &[openbench_geometry::Polygon], pose: Pose2) -> Vec<Mode> {
         let submap = Submap::of(&[stretch_at(houses, pose)]);
         let field = Field::over(&chart(houses), square(30.0));
-        modes(&field, &Evidence::of(&submap), &Headings::ALL, &anywhere, 3)
+        modes(&field, &Evidence::of(&submap), &Headings::ALL, &anywhere, 3).modes
     }
 
     fn anywhere(_: Pose2) -> f64 {
@@ -182,7 +199,7 @@ mod tests {
         let seen = Submap::of(&[stretch_at(&town(), Pose2::new(4.0, 2.0, 0.0))]);
         let field = Field::over(&chart(&town()), square(12.0));
         let west = |pose: Pose2| if pose.x < 0.0 { 0.0 } else { f64::INFINITY };
-        let modes = modes(&field, &Evidence::of(&seen), &Headings::ALL, &west, 5);
+        let modes = modes(&field, &Evidence::of(&seen), &Headings::ALL, &west, 5).modes;
         assert!(modes.len() > 1 && modes.iter().all(|mode| mode.pose.x < 0.0));
     }
 
@@ -190,6 +207,7 @@ mod tests {
     fn a_submap_of_nothing_prefers_no_pose() {
         let field = Field::over(&chart(&town()), square(5.0));
         let nothing = Evidence::of(&Submap::default());
-        assert!(modes(&field, &nothing, &Headings::ALL, &anywhere, 9).is_empty());
+        let voted = modes(&field, &nothing, &Headings::ALL, &anywhere, 9);
+        assert_eq!(voted, Voted::default());
     }
 }

@@ -13,7 +13,7 @@ use std::str::FromStr;
 
 use openbench_core::{
     CostGrid, Event, Image, ImuSample, LidarScan, MapComparison, MapPoint, ModelUse, Observation,
-    Pose2, Pose3, RobotDescription, SimTime, Velocity,
+    PlaceScores, Pose2, Pose3, RobotDescription, SimTime, Velocity,
 };
 use openbench_logs::messages::{
     CAMERA_OPTICAL, CameraInfo, Clock, CompressedImage, Header, Imu, JointState, MarkerArray,
@@ -381,6 +381,13 @@ fn write_comparison(
         poses: poses.map(|one| Pose::from(one.pose)).collect(),
     };
     log.write("/hypotheses", time, &hypotheses)?;
+    if let Some(places) = &found.places {
+        log.write(
+            "/places",
+            time,
+            &scored_places(Header::new(time, "map"), places),
+        )?;
+    }
     let facades = markers::of_facades(time, &found.facades);
     log.write("/facades", time, &facades)
 }
@@ -414,6 +421,16 @@ fn write_image(log: &mut LogFile, time: SimTime, image: &Image) -> Result<(), Lo
     let jpeg = image_file::jpeg(image).unwrap_or_default();
     let message = CompressedImage::jpeg(image.stamp, jpeg);
     log.write("/camera/image/compressed", time, &message)
+}
+
+fn scored_places(header: Header, scores: &PlaceScores) -> OccupancyGrid {
+    let grid = CostGrid {
+        origin: scores.origin,
+        cell_m: scores.cell_m,
+        width: scores.width,
+        cells: scores.cells.clone(),
+    };
+    occupancy(header, &grid)
 }
 
 fn occupancy(header: Header, grid: &CostGrid) -> OccupancyGrid {
