@@ -579,6 +579,55 @@ mod tests {
     }
 
     #[test]
+    fn beside_a_single_house_nothing_is_accepted() {
+        // From its opposite sides a rectangle looks the same.
+        let house = [block(0.0, -12.0, 16.0, 9.0)];
+        let mut locator = locator(&house, Start::Anywhere);
+        let found = driven(&mut locator, &house, &road(-30.0, 0.0, 12));
+        assert!(found.iter().all(Option::is_none), "{found:#?}");
+    }
+
+    #[test]
+    fn in_a_symmetric_courtyard_nothing_is_accepted() {
+        let wide = [-20.0, 20.0].map(|y| block(0.0, y, 30.0, 8.0));
+        let deep = [-20.0, 20.0].map(|x| block(x, 0.0, 8.0, 30.0));
+        let court = [wide, deep].concat();
+        let mut locator = locator(&court, Start::Anywhere);
+        let found = driven(&mut locator, &court, &road(-9.0, 3.0, 4));
+        assert!(found.iter().all(Option::is_none), "{found:#?}");
+        // Each of the four sides is as good as the others.
+        assert!(locator.hypotheses().len() >= 4);
+        assert_eq!(locator.presumed(), None);
+    }
+
+    #[test]
+    fn among_ten_thousand_houses_it_finds_itself_within_a_block() {
+        // Villages side by side.
+        let village_at = |tile: u64| {
+            let (x, y) = (160.0 * (tile % 16) as f64, 160.0 * (tile / 16) as f64);
+            village(tile).into_iter().map(move |house| {
+                let moved = |at: &MapPoint| MapPoint::new(at.x + x, at.y + y);
+                Polygon::new(house.outer.iter().map(moved).collect(), Vec::new()).unwrap()
+            })
+        };
+        let houses: Vec<_> = (0..256).flat_map(village_at).collect();
+        assert!(houses.len() >= 10_000, "{}", houses.len());
+        let poses = road(1240.0, 1330.0, 12);
+        let start = Start::Area {
+            centre: MapPoint::new(1280.0, 1300.0),
+            radius_m: 75.0,
+        };
+        let mut locator = locator(&houses, start);
+        // What it sees is near.
+        let is_near = |house: &&Polygon| house.outer[0].distance(poses[6].point()) < 120.0;
+        let near: Vec<Polygon> = houses.iter().filter(is_near).cloned().collect();
+        driven(&mut locator, &near, &poses);
+        let found = locator.estimate().expect("it is localized").pose;
+        let error = found.point().distance(poses[11].point());
+        assert!(error < 0.3, "{error}");
+    }
+
+    #[test]
     fn what_is_only_probable_is_presumed_until_a_pose_is_accepted() {
         // The start says which of the equal houses it is, though not for sure.
         let row = |y: f64| (-20..20).map(move |i| block(f64::from(i) * 14.0, y, 8.0, 8.0));
