@@ -54,7 +54,7 @@ def main():
     print(header(HEAD))
     for row, one in reports.items():
         print(line([row, "registration", *scores(one)]))
-        for peer, other in one["peers"].items():
+        for peer, other in one.get("peers", {}).items():
             print(line([row, peer, *scores(other)]))
     print("\n" + header(["row", "world", *HEAD[2:]]))
     for row, one in reports.items():
