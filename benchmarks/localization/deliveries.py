@@ -70,15 +70,17 @@ def scores(runs):
 
 def shift_of(run):
     """How far the map is shifted where parcels were put down, metres, and turned, degrees."""
-    frame = run["public_frame"]
+    frame = run["drawn_map"]["frame"]
     x, y, yaw = frame["x"], frame["y"], frame["yaw"]
     sine, cosine = math.sin(yaw), math.cos(yaw)
-    shifts = [
-        math.hypot(cosine * at["x"] - sine * at["y"] + x - at["x"],
-                   sine * at["x"] + cosine * at["y"] + y - at["y"])
-        for at in (one["declared_at"] for one in run["deliveries"])
-        if at is not None
-    ]
+    declared = (one["declared_at"] for one in run["deliveries"])
+    # If none was put down, at the origin.
+    places = [at for at in declared if at is not None] or [{"x": 0.0, "y": 0.0}]
+    shifts = []
+    for at in places:
+        east = cosine * at["x"] - sine * at["y"] + x - at["x"]
+        north = sine * at["x"] + cosine * at["y"] + y - at["y"]
+        shifts.append(math.hypot(east, north))
     return statistics.fmean(shifts), math.degrees(abs(yaw))
 
 
