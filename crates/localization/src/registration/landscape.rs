@@ -139,14 +139,14 @@ mod tests {
         };
         let prior = Prior::new(&near).unwrap();
         let area = square(MapPoint::default(), 20.0);
-        let scores = scores(Pose2::new(1.0, 1.0, 0.0), &prior, area).unwrap();
-        assert_eq!(scores.cells[0], -1);
-        assert!(scores.cells.contains(&100));
+        let found = scores(Pose2::new(1.0, 1.0, 0.0), &prior, area).unwrap();
+        assert_eq!(found.cells[0], -1);
+        assert!(found.cells.contains(&100));
         let elsewhere = Start::Area {
             centre: MapPoint::default(),
             radius_m: 4.0,
         };
         let prior = Prior::new(&elsewhere).unwrap();
-        assert_eq!(super::tests::scores(Pose2::default(), &prior, area), None);
+        assert_eq!(scores(Pose2::default(), &prior, area), None);
     }
 }
