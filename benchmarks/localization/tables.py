@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """The results of test.sh as tables: python3 tables.py FOLDER
 
-Prints Markdown: one line for each row of test.sh and each of its peers, then, for registration, what
-the worlds have apart.
+Prints Markdown: a line for each row of test.sh and each of its peers. Then come, for registration
+alone, a line for each world, and times and errors along the way.
 """
 
 import json

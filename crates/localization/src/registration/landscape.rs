@@ -10,6 +10,8 @@ use super::prior::Prior;
 
 /// Most cells along each side: a picture needs no more.
 const MOST_CELLS: usize = 40;
+/// Headings for which the prior is asked at each cell, about: a picture needs no more.
+const HEADINGS: usize = 12;
 /// Score of the best place.
 const BEST: f64 = 100.0;
 
@@ -52,7 +54,8 @@ impl Landscape {
     pub fn scores(&self, chart: &Chart, prior: &Prior) -> Option<PlaceScores> {
         let headings = prior.headings();
         let beforehand = |at: MapPoint| {
-            let yaws = (0..headings.count).map(|i| headings.first + i as f64 * headings.step);
+            let some = (0..headings.count).step_by((headings.count / HEADINGS).max(1));
+            let yaws = some.map(|i| headings.first + i as f64 * headings.step);
             let costs = yaws.map(|yaw| prior.cost(Pose2::new(at.x, at.y, yaw)));
             costs.fold(f64::INFINITY, f64::min)
         };
