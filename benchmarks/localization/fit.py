@@ -23,6 +23,12 @@ RIGHT_M, RIGHT_RAD = 3.0, 0.15
 RIDGE = 1e-3
 #: Poses of one hypothesis agree within this, metres and radians.
 SAME_M, SAME_RAD = 3.0, 0.1
+#: As in registration/locator.rs: least information along any direction, and distance of places
+#: where few buildings are seen.
+LEAST_INFORMATION = 0.15
+FEW_BUILDINGS, FEW_APART_M = 3, 15.0
+#: Features: the logarithms of one and the number of buildings, and of 0.1 and the information.
+BUILDINGS, INFORMATION = 7, 8
 
 
 class Attempt:
@@ -104,15 +110,18 @@ def accepted(attempts, rule):
             known = [past for other, past in bank if is_same(start, other)]
             following.append((start, (known[0] if known else []) + [(attempt.metres, p)]))
         bank = following
-        if bank and is_certain(bank[0][1], rule):
+        if bank and is_certain(bank[0][1], attempt.features[order[0]], rule):
             return attempt.metres, attempt.errors[order[0]]
     return None
 
 
-def is_certain(confirmations, rule):
+def is_certain(confirmations, features, rule):
+    if math.exp(features[INFORMATION]) - 0.1 < LEAST_INFORMATION:
+        return False
+    least_apart = FEW_APART_M if math.exp(features[BUILDINGS]) - 1.0 < FEW_BUILDINGS - 0.5 else 0.0
     now = confirmations[-1][1]
     return any(
-        now >= limit and places(confirmations, limit, apart) >= count
+        now >= limit and places(confirmations, limit, max(apart, least_apart)) >= count
         for limit, count, apart in rule
     )
 

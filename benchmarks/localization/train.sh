@@ -6,7 +6,9 @@ if [ $# -ne 2 ]; then
     sed -n 2,3p "$0" >&2
     exit 2
 fi
-drawn="medium-102 medium-103 medium-105 medium-107 large-104 large-106 small-108"
+drawn="medium-102 medium-103 medium-105 medium-107 large-104 large-106 large-111 small-108"
+# Neighbourhoods of two or three buildings.
+drawn="$drawn small-203 small-216 small-220 small-224"
 real="krems heidelberg"
 mkdir -p "$2"
 for level in good city poor; do

@@ -28,6 +28,14 @@ const FACADE_SPAN_M: f32 = 1.0;
 const FACADE_THICKNESS_M: f64 = 0.14;
 /// but longer, likewise.
 const FACADE_LENGTH_M: f64 = 0.22;
+/// It goes on: so many other pieces face the same way,
+const CONTINUED_BY: usize = 2;
+/// within this distance along it, metres,
+const ALONG_M: f64 = 2.5;
+/// this distance in front of it or behind it, metres,
+const ASIDE_M: f64 = 0.35;
+/// and this turn, radians. Trunks, crowns and lamps have pieces that stand alone.
+const ALIKE_RAD: f64 = 0.35;
 
 /// A return.
 #[derive(Debug, Clone, Copy)]
@@ -85,6 +93,16 @@ impl Facade {
             facing: wrap_angle(self.facing + by.yaw),
             views: self.views,
         }
+    }
+
+    /// Whether another piece can be of the same wall.
+    fn is_continued_by(&self, other: &Self) -> bool {
+        let (x, y) = (other.at.x - self.at.x, other.at.y - self.at.y);
+        let (sine, cosine) = libm::sincos(self.facing);
+        let (aside, along) = (x * cosine + y * sine, y * cosine - x * sine);
+        aside.abs() < ASIDE_M
+            && along.abs() < ALONG_M
+            && wrap_angle(other.facing - self.facing).abs() < ALIKE_RAD
     }
 }
 
@@ -189,13 +207,10 @@ impl Columns {
     /// What all returns together show.
     pub(super) fn survey(&self) -> Surveyed {
         let ground = self.ground();
-        let cells = 0..self.columns.len();
         Surveyed {
             grid: self.grid,
             occupied: self.occupied(&ground),
-            facades: cells
-                .filter_map(|cell| self.facade(cell, &ground))
-                .collect(),
+            facades: self.facades(&ground),
         }
     }
 
@@ -250,6 +265,7 @@ impl Columns {
         bodies.iter().map(is_occupied).collect()
     }
 
+    /// A piece of a facade over a square, whatever is beside it.
     fn facade(&self, cell: usize, ground: &[f32]) -> Option<Facade> {
         let column = &self.columns[cell];
         let is_high =
@@ -284,6 +300,27 @@ impl Columns {
             facing: libm::atan2(side * normal[1], side * normal[0]),
             views: column.views,
         })
+    }
+
+    /// The facades that belong to something longer.
+    fn facades(&self, ground: &[f32]) -> Vec<Facade> {
+        let cells = 0..self.columns.len();
+        let pieces = cells.filter_map(|cell| {
+            let (_, row) = self.grid.column_row(cell);
+            Some((row, self.facade(cell, ground)?))
+        });
+        let pieces: Vec<(i64, Facade)> = pieces.collect();
+        let reach = (ALONG_M / CELL_M) as i64 + 1;
+        let is_continued = |(row, piece): &&(i64, Facade)| {
+            let first = pieces.partition_point(|(other, _)| *other < row - reach);
+            let last = pieces.partition_point(|(other, _)| *other <= row + reach);
+            let near = pieces[first..last].iter();
+            // One of them is the piece itself.
+            let alike = near.filter(|(_, other)| piece.is_continued_by(other));
+            alike.take(CONTINUED_BY + 1).count() > CONTINUED_BY
+        };
+        let continued = pieces.iter().filter(is_continued);
+        continued.map(|(_, piece)| *piece).collect()
     }
 
     /// Covariance of the returns in a column and its neighbours that are high too.
@@ -421,6 +458,18 @@ mod tests {
             (4.0 + r * libm::cos(a), r * libm::sin(a), height)
         });
         assert!(seen(crown).facades.is_empty());
+    }
+
+    #[test]
+    fn a_piece_that_stands_alone_is_no_facade() {
+        // A board of half a metre, as wide as the side of a trunk.
+        let board = |x: f64| {
+            let returns = wall(4.0).filter(move |(at, _, _)| (at - x).abs() < 0.26);
+            seen(returns).facades.len()
+        };
+        assert_eq!(board(0.25), 0);
+        let side = wall(4.0).filter(|(at, _, _)| at.abs() < 1.0);
+        assert!(seen(side).facades.len() >= 3);
     }
 
     #[test]

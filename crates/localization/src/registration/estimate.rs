@@ -31,6 +31,8 @@ const DRIFT_RAD_PER_M: f64 = 1e-4;
 const CREDIBLE: f64 = 4.0;
 /// An offset of more standard deviations is not tried.
 const GUESS: f64 = 3.0;
+/// With fewer degrees of freedom than two, Student's t distribution has no covariance.
+const LEAST_FREEDOM: f64 = 3.0;
 /// What is known of a direction that nothing measures: a kilometre, and any heading.
 const NOTHING: [f64; 3] = [1e-6, 1e-6, 0.1];
 /// Larger offsets are not found, metres.
@@ -50,6 +52,9 @@ pub struct Estimate {
     /// The pose of the robot.
     pub pose: Pose2,
     offsets: Vec<BuildingOffset>,
+    /// Squared offsets of buildings that are out of sight, by their index in the map: the mean over
+    /// both axes, m².
+    passed: BTreeMap<usize, f64>,
     /// Standard deviation of offsets along each axis, metres.
     building_m: f64,
     assumed: Assumptions,
@@ -104,6 +109,7 @@ impl Estimate {
         let mut estimate = Self {
             pose: in_map(chart, refined.pose),
             offsets: buildings.iter().map(offset).collect(),
+            passed: BTreeMap::new(),
             building_m: refined.building_m,
             assumed: *assumed,
             covariance,
@@ -114,8 +120,43 @@ impl Estimate {
     }
 
     /// Covariance of x, y of `map`, and yaw.
+    ///
+    /// How large offsets are is estimated as well, from few buildings at first. What offsets
+    /// contribute to the error of the pose then has Student's t distribution, whose covariance is
+    /// larger than that of a normal one with the same scale.
     pub fn covariance(&self) -> Matrix3<f64> {
+        self.pose_covariance() + self.share_of_offsets() * self.widening()
+    }
+
+    /// The same, if it were known how large offsets are.
+    fn pose_covariance(&self) -> Matrix3<f64> {
         self.covariance.fixed_view::<3, 3>(0, 0).into_owned()
+    }
+
+    /// What of the pose's covariance would vanish if all offsets were known.
+    fn share_of_offsets(&self) -> Matrix3<f64> {
+        let count = 2 * self.offsets.len();
+        let mixed = self.covariance.view((3, 0), (count, 3)).into_owned();
+        let own = self.covariance.view((3, 3), (count, count)).into_owned();
+        let solver = Cholesky::new(own);
+        solver.map_or_else(Matrix3::zeros, |solver| {
+            let share = mixed.tr_mul(&solver.solve(&mixed));
+            share.fixed_view::<3, 3>(0, 0).into_owned()
+        })
+    }
+
+    /// By which share the covariance of Student's t distribution exceeds the squared scale. The
+    /// variance of offsets has two degrees of freedom for each building, less the two that the
+    /// position of the robot takes.
+    fn widening(&self) -> f64 {
+        let freedom = (2.0 * self.worth_of_variance() - 2.0).max(LEAST_FREEDOM);
+        freedom / (freedom - 2.0) - 1.0
+    }
+
+    /// How many buildings the variance of offsets is estimated from. What was expected counts too.
+    fn worth_of_variance(&self) -> f64 {
+        let seen = self.offsets.len() + self.passed.len();
+        self.assumed.expected_buildings + seen as f64
     }
 
     /// The offsets of the buildings that were seen around the robot.
@@ -187,6 +228,7 @@ impl Estimate {
                 let building = chart.buildings[one.building];
                 let place = after.place(building).unwrap_or_else(|| {
                     let offset = one.offset;
+                    after.passed.remove(&building);
                     after.offsets.push(BuildingOffset { building, offset });
                     equations.extend(self.building_m, offset)
                 });
@@ -294,16 +336,11 @@ impl Estimate {
     /// them to be so.
     fn rescale(&mut self) -> Option<()> {
         let before = 1.0 / (self.building_m * self.building_m);
-        let expected_m = self.assumed.building_m;
-        let mut count = self.assumed.expected_buildings;
-        let mut sum = count * expected_m * expected_m;
-        for (i, own) in self.offsets.iter().enumerate() {
-            let at = 3 + 2 * i;
-            let unknown = self.covariance[(at, at)] + self.covariance[(at + 1, at + 1)];
-            sum += 0.5 * (own.offset.norm_squared() + unknown);
-            count += 1.0;
-        }
-        let found = sum / count;
+        let (expected, expected_m) = (self.assumed.expected_buildings, self.assumed.building_m);
+        let in_sight = (0..self.offsets.len()).map(|place| self.squared_offset(place));
+        let squares = in_sight.chain(self.passed.values().copied());
+        let sum = expected * expected_m * expected_m + squares.sum::<f64>();
+        let found = sum / self.worth_of_variance();
         self.building_m = libm::sqrt(beyond(found, self.building_m, FOUND_M));
         let change = 1.0 / (self.building_m * self.building_m) - before;
         let mut information = self.covariance.clone().cholesky()?.inverse();
@@ -318,6 +355,13 @@ impl Estimate {
         let step = -solver.solve(&gradient);
         self.covariance = solver.inverse();
         self.step(&step)
+    }
+
+    /// Expected square of the offset at a place, mean over both axes, m².
+    fn squared_offset(&self, place: usize) -> f64 {
+        let at = 3 + 2 * place;
+        let unknown = self.covariance[(at, at)] + self.covariance[(at + 1, at + 1)];
+        0.5 * (self.offsets[place].offset.norm_squared() + unknown)
     }
 
     /// Leaves out buildings that cannot be seen from here, and the farthest ones of too many.
@@ -337,6 +381,16 @@ impl Estimate {
             .collect();
         kept.sort_by(|(_, a), (_, b)| a.total_cmp(b));
         kept.truncate(MOST_BUILDINGS);
+        if kept.len() == self.offsets.len() {
+            return;
+        }
+        let (share, widening) = (self.share_of_offsets(), self.widening());
+        for place in 0..self.offsets.len() {
+            if !kept.iter().any(|(i, _)| *i == place) {
+                let building = self.offsets[place].building;
+                self.passed.insert(building, self.squared_offset(place));
+            }
+        }
         let offsets = kept.iter().map(|(i, _)| self.offsets[*i]).collect();
         let rows: Vec<usize> = (0..3)
             .chain(kept.iter().flat_map(|(i, _)| [3 + 2 * i, 4 + 2 * i]))
@@ -345,6 +399,10 @@ impl Estimate {
         let covariance = DMatrix::from_fn(rows.len(), rows.len(), |i, j| own[(rows[i], rows[j])]);
         self.offsets = offsets;
         self.covariance = covariance;
+        // What the forgotten ones contribute to the pose's covariance stays as wide.
+        let lost = (share - self.share_of_offsets()) * widening;
+        let mut own = self.covariance.fixed_view_mut::<3, 3>(0, 0);
+        own += lost;
     }
 }
 
@@ -534,6 +592,29 @@ mod tests {
     }
 
     #[test]
+    fn few_houses_say_less_about_a_map_than_many() {
+        let widening = |count: usize| {
+            let houses = &town()[..count];
+            looked(houses, houses, Pose2::default(), 1).widening()
+        };
+        assert_eq!(widening(1), widening(2));
+        assert!(widening(2) > 2.0 * widening(4), "{}", widening(4));
+    }
+
+    #[test]
+    fn a_pose_stays_as_uncertain_where_the_houses_that_told_it_are_out_of_sight() {
+        let known = begun(&town(), &town(), Pose2::default());
+        let mut later = known.clone();
+        later.forget_far(&chart(&[]), &Matching::about(&chart(&[]), known.pose));
+        assert!(later.offsets().is_empty());
+        let change = (later.covariance() - known.covariance()).norm();
+        assert!(change < 1e-9 * known.covariance().norm(), "{change}");
+        // What they said about the map as a whole is not forgotten.
+        later.rescale().unwrap();
+        assert!((later.building_m - known.building_m).abs() < 0.05 * known.building_m);
+    }
+
+    #[test]
     fn offsets_are_found_of_houses_that_are_new_on_the_way() {
         let town = village(7);
         let shift = |i: usize| {
@@ -602,7 +683,13 @@ mod tests {
         let about = refine(&chart, &seen, before.pose, &Assumptions::default()).unwrap();
         let after = before.with(&chart, &seen, &about).unwrap();
         let news = after.news_since(&before).unwrap().information;
-        assert!(news[(0, 0)] < 0.01 && news[(2, 2)] > 100.0, "{news}");
+        // Along the street nothing is new but how large offsets are, which two more houses tell.
+        let known = before.covariance().try_inverse().unwrap();
+        assert!(news[(0, 0)] < 0.1 * known[(0, 0)], "{news} {known}");
+        assert!(
+            news[(1, 1)] > 0.3 * known[(1, 1)] && news[(2, 2)] > 100.0,
+            "{news} {known}"
+        );
         assert!((after.pose.x - before.pose.x).abs() < 0.01);
     }
 

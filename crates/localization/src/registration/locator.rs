@@ -30,8 +30,15 @@ const LIKELY: f64 = 0.98;
 const PROBABLE: f64 = 0.95;
 /// One that is more probable than all others together is presumed meanwhile.
 const PRESUMED: f64 = 0.5;
-/// Places are so far apart on the way, metres: what is seen from nearer ones is nearly the same.
+/// Places are so far apart on the way, metres: what is seen from nearer ones is nearly the same;
 const APART_M: f64 = 10.0;
+/// and so far where fewer than [`FEW_BUILDINGS`] are seen, metres.
+const FEW_APART_M: f64 = 15.0;
+/// With so many buildings, those that are wrong on the map alike make no other place fit better.
+const FEW_BUILDINGS: usize = 3;
+/// A pose with less information along some direction is not accepted, 1/m²: in a street of parallel
+/// facades it may be anywhere along it.
+const LEAST_INFORMATION: f64 = 0.15;
 /// Confirmations are remembered for so long on the way, metres.
 const REMEMBERED_M: f64 = 100.0;
 /// A hypothesis is confirmed by a pose no farther than this from where it should be, metres,
@@ -481,11 +488,13 @@ impl Locator {
 impl Hypothesis {
     fn is_accepted(&self, acceptance: Acceptance) -> bool {
         let is_sure = self.located.candidate.probability >= SURE;
-        match acceptance {
-            Acceptance::Never => false,
-            Acceptance::AtOnePlace => is_sure,
-            Acceptance::AtSeveralPlaces => is_sure || self.is_confirmed(),
-        }
+        let is_known = self.located.candidate.refined.weakest() >= LEAST_INFORMATION;
+        is_known
+            && match acceptance {
+                Acceptance::Never => false,
+                Acceptance::AtOnePlace => is_sure,
+                Acceptance::AtSeveralPlaces => is_sure || self.is_confirmed(),
+            }
     }
 
     /// Whether it was confirmed often enough, at places that lie apart.
@@ -497,10 +506,16 @@ impl Hypothesis {
 
     /// At how many places apart it was at least so probable.
     fn places(&self, probability: f64) -> usize {
+        let buildings = self.located.candidate.refined.buildings.len();
+        let apart = if buildings < FEW_BUILDINGS {
+            FEW_APART_M
+        } else {
+            APART_M
+        };
         let mut last = f64::NEG_INFINITY;
         let mut count = 0;
         for one in &self.confirmations {
-            if one.probability >= probability && one.driven_m - last >= APART_M {
+            if one.probability >= probability && one.driven_m - last >= apart {
                 last = one.driven_m;
                 count += 1;
             }

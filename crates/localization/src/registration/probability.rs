@@ -15,7 +15,7 @@ pub type Features = [f64; FEATURES];
 
 /// What each feature says.
 const WEIGHTS: Features = [
-    -0.647, -0.005, 0.220, 3.759, 0.297, -0.840, 0.647, -0.464, 1.840, -0.070, -0.969,
+    -1.201, -0.006, 0.132, 3.592, -0.861, -1.049, 1.190, -0.219, 1.486, -0.398, -1.153,
 ];
 
 /// What speaks for a candidate.
@@ -40,8 +40,6 @@ impl Merits<'_> {
     /// As numbers to weigh.
     pub fn features(&self) -> Features {
         let pieces = self.pieces as f64;
-        let information = self.refined.information.fixed_view::<2, 2>(0, 0);
-        let weakest = information.into_owned().symmetric_eigenvalues().min();
         [
             1.0,
             self.more / 10.0,
@@ -51,7 +49,7 @@ impl Merits<'_> {
             libm::log(0.01 + self.explained.through),
             libm::log(1.0 + pieces),
             libm::log(1.0 + self.refined.buildings.len() as f64),
-            libm::log(0.1 + weakest.max(0.0)),
+            libm::log(0.1 + self.refined.weakest()),
             self.refined.building_m,
             self.surprise,
         ]
@@ -104,7 +102,7 @@ mod tests {
 
     #[test]
     fn the_better_one_of_two_is_more_probable_and_both_leave_room_for_none() {
-        let poor = good(|features| features[4] = logit(0.5));
+        let poor = good(|features| features[3] = logit(0.5));
         let found = probabilities(&[poor, good(|_| {})]);
         assert!(
             found[1] > found[0] && found.iter().sum::<f64>() < 1.0,

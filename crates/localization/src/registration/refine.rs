@@ -47,7 +47,7 @@ impl Assumptions {
 
     const DEFAULT: Self = Self {
         building_m: 1.0,
-        expected_buildings: 1.0,
+        expected_buildings: 0.5,
         facade: FacadeNoise {
             metres: 0.3,
             independence: 0.2,
@@ -87,6 +87,12 @@ impl Refined {
     pub fn offset(&self, building: usize) -> Option<Vector2<f64>> {
         let own = self.buildings.iter().find(|one| one.building == building);
         own.map(|one| one.offset)
+    }
+
+    /// Information about the position along the direction in which it is known least, 1/m².
+    pub fn weakest(&self) -> f64 {
+        let position = self.information.fixed_view::<2, 2>(0, 0).into_owned();
+        position.symmetric_eigenvalues().min().max(0.0)
     }
 }
 
