@@ -27,7 +27,7 @@ SAME_M, SAME_RAD = 3.0, 0.1
 #: where few buildings are seen.
 LEAST_INFORMATION = 0.15
 FEW_BUILDINGS, FEW_APART_M = 3, 15.0
-#: Features: the logarithms of one and the number of buildings, and of 0.1 and the information.
+#: Indices of two features: log(1 + number of buildings) and log(0.1 + least information).
 BUILDINGS, INFORMATION = 7, 8
 
 

@@ -31,7 +31,7 @@ const DRIFT_RAD_PER_M: f64 = 1e-4;
 const CREDIBLE: f64 = 4.0;
 /// An offset of more standard deviations is not tried.
 const GUESS: f64 = 3.0;
-/// With fewer degrees of freedom than two, Student's t distribution has no covariance.
+/// With two degrees of freedom or fewer, Student's t distribution has no covariance.
 const LEAST_FREEDOM: f64 = 3.0;
 /// What is known of a direction that nothing measures: a kilometre, and any heading.
 const NOTHING: [f64; 3] = [1e-6, 1e-6, 0.1];

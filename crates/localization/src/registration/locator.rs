@@ -34,7 +34,7 @@ const PRESUMED: f64 = 0.5;
 const APART_M: f64 = 10.0;
 /// and so far where fewer than [`FEW_BUILDINGS`] are seen, metres.
 const FEW_APART_M: f64 = 15.0;
-/// With so many buildings, those that are wrong on the map alike make no other place fit better.
+/// Of two equal buildings, wrong on the map, the view may fit better the other way round.
 const FEW_BUILDINGS: usize = 3;
 /// A pose with less information along some direction is not accepted, 1/m²: in a street of parallel
 /// facades it may be anywhere along it.
