@@ -23,7 +23,7 @@ RIGHT_M, RIGHT_RAD = 3.0, 0.15
 RIDGE = 1e-3
 #: Poses of one hypothesis agree within this, metres and radians.
 SAME_M, SAME_RAD = 3.0, 0.1
-#: As in registration/locator.rs: least information along any direction, and distance of places
+#: As in registration/hypothesis.rs: least information along any direction, and distance of places
 #: where few buildings are seen.
 LEAST_INFORMATION = 0.15
 FEW_BUILDINGS, FEW_APART_M = 3, 15.0
@@ -141,7 +141,7 @@ RULES = {
     "0.9995 | 2 x 0.98 | 3 x 0.95 / 10 m": [(0.9995, 1, 0), (0.98, 2, 10), (0.95, 3, 10)],
     "0.9999 | 2 x 0.95 | 3 x 0.9 / 10 m": [(0.9999, 1, 0), (0.95, 2, 10), (0.9, 3, 10)],
     "0.9999 | 2 x 0.97 | 3 x 0.9 / 10 m": [(0.9999, 1, 0), (0.97, 2, 10), (0.9, 3, 10)],
-    # The one of registration/locator.rs.
+    # The one of registration/hypothesis.rs.
     "0.9999 | 2 x 0.98 | 3 x 0.95 / 10 m": [(0.9999, 1, 0), (0.98, 2, 10), (0.95, 3, 10)],
     "0.9999 | 2 x 0.98 | 3 x 0.95 / 15 m": [(0.9999, 1, 0), (0.98, 2, 15), (0.95, 3, 15)],
 }

@@ -15,7 +15,7 @@ openbench=$1 folder=$2 monaco=$3 published=$4 models=$5
 here=$(cd "$(dirname "$0")" && pwd)
 poses=${POSES:-40}
 half=$(((poses + 1) / 2))
-drawn="medium-11000 medium-11001 medium-11002 medium-11003 large-11004 large-11005 small-11006"
+drawn="medium-11100 medium-11101 medium-11102 medium-11103 large-11104 large-11105 small-11106"
 mkdir -p "$folder"
 
 # row NAME ARGUMENTS
@@ -24,17 +24,17 @@ row() {
     shift
     [ -e "$file" ] && return
     echo "$(date +%T) $file" >&2
-    "$openbench" bench localization "$@" --drives "$folder/drives" --jobs 2 --seed 11000 \
+    "$openbench" bench localization "$@" --drives "$folder/drives" --jobs 2 --seed 11100 \
         --json > "$file.part"
     mv "$file.part" "$file"
 }
 
 # 400 m by 400 m of Monaco, in four places.
 windows=
-for place in 7.4150,43.7310 7.4215,43.7360 7.4270,43.7400 7.4190,43.7270; do
+for place in 7.4130,43.7275 7.4245,43.7310 7.4235,43.7420 7.4300,43.7445; do
     window=$folder/monaco-$place
     [ -e "$window" ] || "$openbench" world generate --map "$monaco" --around "$place" \
-        --radius 200 --seed 11000 --out "$window"
+        --radius 200 --seed 11100 --out "$window"
     windows="$windows $window"
 done
 
@@ -43,7 +43,7 @@ for level in good city; do
     row "$level-10m" $drawn monaco --level $level --start 10m --poses "$poses" --peers
     for start in block off; do
         # shellcheck disable=SC2086 # a list of words
-        row "$level-$start" $drawn monaco --level $level --start $start --beside medium-11009 \
+        row "$level-$start" $drawn monaco --level $level --start $start --beside medium-11109 \
             --poses "$poses"
     done
 done
@@ -57,7 +57,7 @@ for level in good city; do
     done
     # shellcheck disable=SC2086 # a list of words
     row "$level-map" $windows --level $level --start map --poses "$half"
-    row "$level-10m-packages" medium-11000 monaco --level $level --start 10m --poses "$poses" \
+    row "$level-10m-packages" medium-11100 monaco --level $level --start 10m --poses "$poses" \
         --peer "$here/global_registration.py"
 done
 # True labels need drives of their own.
@@ -65,5 +65,5 @@ for level in good city; do
     # shellcheck disable=SC2086 # a list of words
     row "$level-10m-truth" $drawn monaco --level $level --start 10m --poses "$poses" --labels truth
 done
-row good-3km medium-11000 monaco --level good --start 10m --poses 1 --drive 3000 \
+row good-3km medium-11100 monaco --level good --start 10m --poses 1 --drive 3000 \
     --odometry-drift 0.01

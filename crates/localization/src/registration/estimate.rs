@@ -12,14 +12,16 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, SymmetricEigen, Vector2, Vector3};
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix3, SymmetricEigen, Vector2, Vector3};
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
 
 use super::candidates::in_map;
 use super::chart::Chart;
+use super::equations::Equations;
 use super::matching::{BuildingEvidence, Matching};
 use super::refine::{Assumptions, Refined};
+use super::spread::Spread;
 use super::submap::Submap;
 use crate::reckoned::rotating;
 
@@ -31,12 +33,8 @@ const DRIFT_RAD_PER_M: f64 = 1e-4;
 const CREDIBLE: f64 = 4.0;
 /// An offset of more standard deviations is not tried.
 const GUESS: f64 = 3.0;
-/// With two degrees of freedom or fewer, Student's t distribution has no covariance.
-const LEAST_FREEDOM: f64 = 3.0;
 /// What is known of a direction that nothing measures: a kilometre, and any heading.
 const NOTHING: [f64; 3] = [1e-6, 1e-6, 0.1];
-/// Larger offsets are not found, metres.
-const FOUND_M: f64 = 3.0;
 /// Most steps of an update,
 const MOST_STEPS: usize = 5;
 /// of which one shorter than this is the last, metres and radians.
@@ -52,11 +50,8 @@ pub struct Estimate {
     /// The pose of the robot.
     pub pose: Pose2,
     offsets: Vec<BuildingOffset>,
-    /// Squared offsets of buildings that are out of sight, by their index in the map: the mean over
-    /// both axes, m².
-    passed: BTreeMap<usize, f64>,
-    /// Standard deviation of offsets along each axis, metres.
-    building_m: f64,
+    /// How large offsets are.
+    spread: Spread,
     assumed: Assumptions,
     /// Covariance of x, y of `map` and yaw, then of x and y of each offset.
     covariance: DMatrix<f64>,
@@ -109,8 +104,7 @@ impl Estimate {
         let mut estimate = Self {
             pose: in_map(chart, refined.pose),
             offsets: buildings.iter().map(offset).collect(),
-            passed: BTreeMap::new(),
-            building_m: refined.building_m,
+            spread: Spread::new(assumed, refined.building_m),
             assumed: *assumed,
             covariance,
             here,
@@ -145,18 +139,9 @@ impl Estimate {
         })
     }
 
-    /// By which share the covariance of Student's t distribution exceeds the squared scale. The
-    /// variance of offsets has two degrees of freedom for each building, less the two that the
-    /// position of the robot takes.
+    /// By which share the covariance of what offsets contribute exceeds its squared scale.
     fn widening(&self) -> f64 {
-        let freedom = (2.0 * self.worth_of_variance() - 2.0).max(LEAST_FREEDOM);
-        freedom / (freedom - 2.0) - 1.0
-    }
-
-    /// How many buildings the variance of offsets is estimated from. What was expected counts too.
-    fn worth_of_variance(&self) -> f64 {
-        let seen = self.offsets.len() + self.passed.len();
-        self.assumed.expected_buildings + seen as f64
+        self.spread.widening(self.offsets.len())
     }
 
     /// The offsets of the buildings that were seen around the robot.
@@ -228,9 +213,9 @@ impl Estimate {
                 let building = chart.buildings[one.building];
                 let place = after.place(building).unwrap_or_else(|| {
                     let offset = one.offset;
-                    after.passed.remove(&building);
+                    after.spread.see(building);
                     after.offsets.push(BuildingOffset { building, offset });
-                    equations.extend(self.building_m, offset)
+                    equations.extend(self.spread.deviation_m(), offset)
                 });
                 equations.add(one, place);
             }
@@ -335,14 +320,10 @@ impl Estimate {
     /// Estimates how large offsets are, by a step of expectation maximization, and expects all of
     /// them to be so.
     fn rescale(&mut self) -> Option<()> {
-        let before = 1.0 / (self.building_m * self.building_m);
-        let (expected, expected_m) = (self.assumed.expected_buildings, self.assumed.building_m);
+        let before = self.spread.information();
         let in_sight = (0..self.offsets.len()).map(|place| self.squared_offset(place));
-        let squares = in_sight.chain(self.passed.values().copied());
-        let sum = expected * expected_m * expected_m + squares.sum::<f64>();
-        let found = sum / self.worth_of_variance();
-        self.building_m = libm::sqrt(beyond(found, self.building_m, FOUND_M));
-        let change = 1.0 / (self.building_m * self.building_m) - before;
+        self.spread.estimate(&in_sight.collect::<Vec<_>>());
+        let change = self.spread.information() - before;
         let mut information = self.covariance.clone().cholesky()?.inverse();
         let mut gradient = DVector::zeros(information.nrows());
         for (i, own) in self.offsets.iter().enumerate() {
@@ -388,7 +369,8 @@ impl Estimate {
         for place in 0..self.offsets.len() {
             if !kept.iter().any(|(i, _)| *i == place) {
                 let building = self.offsets[place].building;
-                self.passed.insert(building, self.squared_offset(place));
+                let square = self.squared_offset(place);
+                self.spread.pass(building, square);
             }
         }
         let offsets = kept.iter().map(|(i, _)| self.offsets[*i]).collect();
@@ -406,95 +388,12 @@ impl Estimate {
     }
 }
 
-/// Linear equations of pose and offsets.
-struct Equations {
-    /// Information of what was known before.
-    prior: DMatrix<f64>,
-    information: DMatrix<f64>,
-    gradient: DVector<f64>,
-}
-
-impl Equations {
-    fn of(prior: DMatrix<f64>) -> Self {
-        Self {
-            information: prior.clone(),
-            gradient: DVector::zeros(prior.nrows()),
-            prior,
-        }
-    }
-
-    /// Leaves what was known before, at this way from where that was.
-    fn forget(&mut self, departure: &DVector<f64>) {
-        self.information.copy_from(&self.prior);
-        self.gradient = &self.prior * departure;
-    }
-
-    /// Takes in another building at an offset, of which a standard deviation is expected; gives
-    /// its place among them.
-    fn extend(&mut self, expected_m: f64, offset: Vector2<f64>) -> usize {
-        let known = self.prior.nrows();
-        let own = 1.0 / (expected_m * expected_m);
-        for matrix in [&mut self.prior, &mut self.information] {
-            let mut larger = std::mem::take(matrix).resize(known + 2, known + 2, 0.0);
-            larger[(known, known)] = own;
-            larger[(known + 1, known + 1)] = own;
-            *matrix = larger;
-        }
-        let gradient = std::mem::take(&mut self.gradient);
-        self.gradient = gradient.resize_vertically(known + 2, 0.0);
-        self.gradient
-            .fixed_rows_mut::<2>(known)
-            .copy_from(&(offset * own));
-        (known - 3) / 2
-    }
-
-    /// Takes in what the facades of a building say.
-    fn add(&mut self, evidence: &BuildingEvidence, place: usize) {
-        let at = 3 + 2 * place;
-        let mut add = |row: usize, column: usize, value: &DMatrix<f64>| {
-            let mut view = self.information.view_mut((row, column), value.shape());
-            view += value;
-        };
-        let mixed = DMatrix::from_column_slice(3, 2, evidence.mixed.as_slice());
-        add(
-            0,
-            0,
-            &DMatrix::from_column_slice(3, 3, evidence.pose.as_slice()),
-        );
-        add(0, at, &mixed);
-        add(at, 0, &mixed.transpose());
-        add(
-            at,
-            at,
-            &DMatrix::from_column_slice(2, 2, evidence.own.as_slice()),
-        );
-        let mut pose = self.gradient.fixed_rows_mut::<3>(0);
-        pose += evidence.pose_gradient;
-        let mut own = self.gradient.fixed_rows_mut::<2>(at);
-        own += evidence.own_gradient;
-    }
-
-    fn solver(&self) -> Option<Cholesky<f64, Dyn>> {
-        self.information.clone().cholesky()
-    }
-}
-
 /// The buildings with the most facades, not more than are remembered.
 fn most_seen(buildings: &[BuildingEvidence]) -> Vec<&BuildingEvidence> {
     let mut seen: Vec<_> = buildings.iter().filter(|one| one.facades > 0).collect();
     seen.sort_by_key(|one| std::cmp::Reverse(one.facades));
     seen.truncate(MOST_BUILDINGS);
     seen
-}
-
-/// The variance of all offsets, from that of those which are small enough to be found, up to
-/// `limit`: a step of expectation maximization for a normal distribution that is cut off.
-fn beyond(found: f64, deviation: f64, limit: f64) -> f64 {
-    let scaled = limit / deviation;
-    let share = libm::erfc(scaled / std::f64::consts::SQRT_2).min(0.5);
-    let density = libm::exp(-0.5 * scaled * scaled) / libm::sqrt(std::f64::consts::TAU);
-    let missing = deviation * deviation * (share + 2.0 * scaled * density);
-    (1.0 - share) * found + missing
 }
 
 /// From a pose to another: x, y, yaw.
@@ -592,16 +491,6 @@ mod tests {
     }
 
     #[test]
-    fn few_houses_say_less_about_a_map_than_many() {
-        let widening = |count: usize| {
-            let houses = &town()[..count];
-            looked(houses, houses, Pose2::default(), 1).widening()
-        };
-        assert_eq!(widening(1), widening(2));
-        assert!(widening(2) > 2.0 * widening(4), "{}", widening(4));
-    }
-
-    #[test]
     fn a_pose_stays_as_uncertain_where_the_houses_that_told_it_are_out_of_sight() {
         let known = begun(&town(), &town(), Pose2::default());
         let mut later = known.clone();
@@ -611,7 +500,8 @@ mod tests {
         assert!(change < 1e-9 * known.covariance().norm(), "{change}");
         // What they said about the map as a whole is not forgotten.
         later.rescale().unwrap();
-        assert!((later.building_m - known.building_m).abs() < 0.05 * known.building_m);
+        let deviation = known.spread.deviation_m();
+        assert!((later.spread.deviation_m() - deviation).abs() < 0.05 * deviation);
     }
 
     #[test]
@@ -721,16 +611,5 @@ mod tests {
             .collect();
         let estimate = looked(&houses, &houses, Pose2::default(), 1);
         assert_eq!(estimate.offsets().len(), MOST_BUILDINGS);
-    }
-
-    #[test]
-    fn offsets_that_are_too_large_to_be_found_count_as_well() {
-        // Of a normal distribution of 1.5 m that is cut off at 3 m, 1.32 m are left.
-        let mut deviation: f64 = 1.0;
-        for _ in 0..100 {
-            deviation = beyond(1.319 * 1.319, deviation, 3.0).sqrt();
-        }
-        assert!((deviation - 1.5).abs() < 0.02, "{deviation}");
-        assert!((beyond(0.25, 0.5, 3.0).sqrt() - 0.5).abs() < 1e-6);
     }
 }

@@ -4,7 +4,6 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use nalgebra::Matrix3;
-use openbench_core::frames::wrap_angle;
 use openbench_core::{AcceptedPose, MapComparison, MapPoint, PlaceScores, Pose2, Start};
 use openbench_geometry::Bounds;
 use openbench_osm::OsmMap;
@@ -13,6 +12,7 @@ use super::candidates::{Candidate, candidates, in_map};
 use super::chart::Chart;
 use super::estimate::{Estimate, Measured};
 use super::field::{CELL_M, MARGIN_CELLS};
+use super::hypothesis::{Acceptance, Hypothesis, Located};
 use super::prior::Prior;
 use super::refine::Assumptions;
 use super::stretch::Stretch;
@@ -22,29 +22,8 @@ use super::submap::Submap;
 pub const STRETCHES: usize = 8;
 /// A chart reaches farther than is needed at first by this, metres, so that it serves for a while.
 const RESERVE_M: f64 = 50.0;
-/// A pose this probable is accepted at once.
-const SURE: f64 = 0.9999;
-/// One that was this probable at two places is accepted,
-const LIKELY: f64 = 0.98;
-/// and one that was this probable at three.
-const PROBABLE: f64 = 0.95;
-/// One that is more probable than all others together is presumed meanwhile.
+/// A pose that is more probable than all others together is presumed until one is accepted.
 const PRESUMED: f64 = 0.5;
-/// Places are so far apart on the way, metres: what is seen from nearer ones is nearly the same;
-const APART_M: f64 = 10.0;
-/// and so far where fewer than [`FEW_BUILDINGS`] are seen, metres.
-const FEW_APART_M: f64 = 15.0;
-/// Of two equal buildings, wrong on the map, the view may fit better the other way round.
-const FEW_BUILDINGS: usize = 3;
-/// A pose with less information along some direction is not accepted, 1/m²: in a street of parallel
-/// facades it may be anywhere along it.
-const LEAST_INFORMATION: f64 = 0.15;
-/// Confirmations are remembered for so long on the way, metres.
-const REMEMBERED_M: f64 = 100.0;
-/// A hypothesis is confirmed by a pose no farther than this from where it should be, metres,
-const SAME_M: f64 = 3.0;
-/// and turned no more, radians.
-const SAME_RAD: f64 = 0.1;
 /// A pose explains what is seen if facades are as close to walls, and rays through walls as few, as
 /// this difference says. In a street of parallel facades that holds along all of it, so that it
 /// says whether a known pose is still right, and not which one is.
@@ -66,54 +45,6 @@ const MOST_WIDENINGS: i32 = 2;
 const MOST_SHOWN_POSES: usize = 12;
 /// and as many facades.
 const MOST_SHOWN_FACADES: usize = 200;
-
-/// A pose of the robot on the map.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Located {
-    /// The pose in `map`.
-    pub pose: Pose2,
-    /// The candidate, in the coordinates of the locator's chart.
-    pub candidate: Candidate,
-}
-
-impl Located {
-    /// What was measured.
-    pub fn measured(&self) -> Measured {
-        Measured {
-            pose: self.pose,
-            information: self.candidate.refined.information,
-        }
-    }
-}
-
-/// A pose that may be the robot's, and where it was confirmed.
-#[derive(Debug, Clone)]
-pub struct Hypothesis {
-    /// The newest pose.
-    pub located: Located,
-    /// Pose of the robot in `odom` there.
-    here: Pose2,
-    /// How probable it was, and after how many metres; the newest one is the last.
-    confirmations: Vec<Confirmation>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Confirmation {
-    driven_m: f64,
-    probability: f64,
-}
-
-/// When a pose is accepted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Acceptance {
-    /// Never: hypotheses only.
-    Never,
-    /// If it is nearly certain at one place.
-    AtOnePlace,
-    /// If it is nearly certain at one place, or probable at several.
-    #[default]
-    AtSeveralPlaces,
-}
 
 /// How a locator judges.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -321,10 +252,9 @@ impl Locator {
             pose: in_map(chart, candidate.refined.pose),
             candidate,
         });
-        let bank = located
-            .map(|located| self.hypothesis(located, here))
-            .collect();
-        self.bank = bank;
+        let (driven_m, earlier) = (self.driven_m, &self.bank);
+        let bank = located.map(|located| Hypothesis::found(located, here, driven_m, earlier));
+        self.bank = bank.collect();
         let measured = match self.estimate.take() {
             None => self.find(here),
             Some(known) => self.follow(known.carried(here, drift), newest),
@@ -360,26 +290,6 @@ impl Locator {
             self.chart = Some((chart, reached));
         }
         Some(())
-    }
-
-    /// A candidate with the confirmations of the hypothesis that it confirms.
-    fn hypothesis(&self, located: Located, here: Pose2) -> Hypothesis {
-        let confirms = |one: &&Hypothesis| {
-            let expected = one.located.pose.compose(here.seen_from(one.here));
-            is_same(expected, located.pose)
-        };
-        let earlier = self.bank.iter().find(confirms);
-        let mut confirmations = earlier.map_or(Vec::new(), |one| one.confirmations.clone());
-        confirmations.retain(|one| self.driven_m - one.driven_m < REMEMBERED_M);
-        confirmations.push(Confirmation {
-            driven_m: self.driven_m,
-            probability: located.candidate.probability,
-        });
-        Hypothesis {
-            located,
-            here,
-            confirmations,
-        }
     }
 
     /// Believes the best hypothesis if it is certain.
@@ -483,49 +393,6 @@ impl Locator {
         self.bank.clear();
         self.way.clear();
     }
-}
-
-impl Hypothesis {
-    fn is_accepted(&self, acceptance: Acceptance) -> bool {
-        let is_sure = self.located.candidate.probability >= SURE;
-        let is_known = self.located.candidate.refined.weakest() >= LEAST_INFORMATION;
-        is_known
-            && match acceptance {
-                Acceptance::Never => false,
-                Acceptance::AtOnePlace => is_sure,
-                Acceptance::AtSeveralPlaces => is_sure || self.is_confirmed(),
-            }
-    }
-
-    /// Whether it was confirmed often enough, at places that lie apart.
-    fn is_confirmed(&self) -> bool {
-        let probability = self.located.candidate.probability;
-        self.places(LIKELY) >= 2 && probability >= LIKELY
-            || self.places(PROBABLE) >= 3 && probability >= PROBABLE
-    }
-
-    /// At how many places apart it was at least so probable.
-    fn places(&self, probability: f64) -> usize {
-        let buildings = self.located.candidate.refined.buildings.len();
-        let apart = if buildings < FEW_BUILDINGS {
-            FEW_APART_M
-        } else {
-            APART_M
-        };
-        let mut last = f64::NEG_INFINITY;
-        let mut count = 0;
-        for one in &self.confirmations {
-            if one.probability >= probability && one.driven_m - last >= apart {
-                last = one.driven_m;
-                count += 1;
-            }
-        }
-        count
-    }
-}
-
-fn is_same(a: Pose2, b: Pose2) -> bool {
-    a.point().distance(b.point()) < SAME_M && wrap_angle(a.yaw - b.yaw).abs() < SAME_RAD
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ pub struct BuildingEvidence {
 }
 
 impl BuildingEvidence {
-    fn of(building: usize) -> Self {
+    pub(super) fn of(building: usize) -> Self {
         Self {
             building,
             offset: Vector2::zeros(),

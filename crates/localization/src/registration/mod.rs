@@ -52,8 +52,11 @@
 //! | [`mod@explain`] | how well a pose explains what was seen |
 //! | [`mod@candidates`] | the likely poses, refined and compared with what was seen |
 //! | [`probability`] | how probable each of them is |
+//! | [`hypothesis`] | such a pose along the way, and when it is accepted |
 //! | [`locator`] | which of them to believe, over the whole way |
 //! | [`estimate`] | the pose by all that was seen, and offsets of buildings |
+//! | `equations` | both as linear equations |
+//! | `spread` | how large these offsets are |
 //! | [`registrar`] | fixes from all that |
 //! | [`matching`] | pieces of facades on walls, as equations |
 //! | [`mod@refine`] | a pose made exact, with an offset of each building |
@@ -61,9 +64,11 @@
 pub mod candidates;
 pub mod chart;
 mod columns;
+mod equations;
 pub mod estimate;
 pub mod explain;
 pub mod field;
+pub mod hypothesis;
 mod landscape;
 pub mod locator;
 pub mod matching;
@@ -72,6 +77,7 @@ pub mod prior;
 pub mod probability;
 pub mod refine;
 pub mod registrar;
+mod spread;
 pub mod stretch;
 pub mod submap;
 #[cfg(test)]

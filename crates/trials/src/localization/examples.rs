@@ -4,7 +4,8 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use openbench_bench::run::threads;
-use openbench_localization::registration::locator::{Acceptance, Hypothesis, Judgement, Locator};
+use openbench_localization::registration::hypothesis::{Acceptance, Hypothesis};
+use openbench_localization::registration::locator::{Judgement, Locator};
 use openbench_localization::registration::probability::Features;
 use serde::Serialize;
 
