@@ -71,7 +71,7 @@ pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior, assumed: &Assum
         let is_known = candidates
             .iter()
             .any(|one| is_same(one.refined.pose, refined.pose));
-        let beforehand = prior.cost(in_map(chart, refined.pose));
+        let beforehand = prior.cost(chart.in_map(refined.pose));
         if is_known || beforehand.is_infinite() {
             continue;
         }
@@ -114,11 +114,6 @@ fn judge(candidates: &mut [Candidate], evidence: &Evidence, volume: f64) {
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability));
 }
 
-/// A pose of a chart in the `map` frame.
-pub fn in_map(chart: &Chart, pose: Pose2) -> Pose2 {
-    Pose2::new(pose.x + chart.origin.x, pose.y + chart.origin.y, pose.yaw)
-}
-
 /// The area in which a robot can be and sees a building, in the chart's coordinates.
 fn searched(chart: &Chart, prior: &Prior) -> Option<Bounds> {
     let bounds = chart.bounds()?;
@@ -138,7 +133,7 @@ fn voted(
     evidence: &Evidence,
     prior: &Prior,
 ) -> (Vec<Mode>, Landscape) {
-    let cost = |pose: Pose2| prior.cost(in_map(chart, pose));
+    let cost = |pose: Pose2| prior.cost(chart.in_map(pose));
     let mut landscape = Landscape::over(area);
     let squares = squares(area);
     let found = squares.into_iter().flat_map(|square| {

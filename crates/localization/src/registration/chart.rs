@@ -1,6 +1,6 @@
 //! The public map as a registration sees it: the walls that can be seen from outside.
 
-use openbench_core::MapPoint;
+use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::{Bounds, Polygon, Segment};
 use openbench_osm::{Building, OsmMap};
 
@@ -62,6 +62,17 @@ impl Chart {
             chart.buildings.push(index);
         }
         chart
+    }
+
+    /// A pose of the chart in `map`.
+    pub fn in_map(&self, pose: Pose2) -> Pose2 {
+        Pose2::new(pose.x + self.origin.x, pose.y + self.origin.y, pose.yaw)
+    }
+
+    /// A pose of `map` in the chart's coordinates.
+    pub fn from_map(&self, pose: Pose2) -> Pose2 {
+        let at = relative(pose.point(), self.origin);
+        Pose2::new(at.x, at.y, pose.yaw)
     }
 
     /// The box around all outlines; `None` without buildings.
@@ -176,6 +187,10 @@ mod tests {
         assert!((seen - 60.0).abs() < 1.0, "{seen}");
         // Coordinates are relative to the first house's middle.
         let bounds = chart.bounds().unwrap();
+        let here = Pose2::new(2.0, -3.0, 0.5);
+        assert_eq!(chart.in_map(Pose2::default()).point(), middle(&map));
+        let back = chart.from_map(chart.in_map(here));
+        assert!(back.point().distance(here.point()) < 1e-9 && back.yaw == here.yaw);
         assert!((bounds.low.x + 5.0).abs() < 0.1 && (bounds.high.x - 15.0).abs() < 0.1);
     }
 

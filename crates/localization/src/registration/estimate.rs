@@ -13,10 +13,9 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix3, SymmetricEigen, Vector2, Vector3};
+use openbench_core::Pose2;
 use openbench_core::frames::wrap_angle;
-use openbench_core::{MapPoint, Pose2};
 
-use super::candidates::in_map;
 use super::chart::Chart;
 use super::equations::Equations;
 use super::matching::{BuildingEvidence, Matching};
@@ -102,7 +101,7 @@ impl Estimate {
             return None;
         }
         let mut estimate = Self {
-            pose: in_map(chart, refined.pose),
+            pose: chart.in_map(refined.pose),
             offsets: buildings.iter().map(offset).collect(),
             spread: Spread::new(assumed, refined.building_m),
             assumed: *assumed,
@@ -194,14 +193,14 @@ impl Estimate {
             own.offset = *guesses.get(&own.building).unwrap_or(&own.offset);
         }
         let mut equations = Equations::of(self.covariance.clone().cholesky()?.inverse());
-        let mut matching = Matching::about(chart, in_chart(chart, self.pose));
+        let mut matching = Matching::about(chart, chart.from_map(self.pose));
         for _ in 0..MOST_STEPS {
             matching.displace(|building| {
                 let building = chart.buildings[building];
                 let guess = || guesses.get(&building).copied();
                 after.offset(building).or_else(guess).unwrap_or_default()
             });
-            let pose = in_chart(chart, after.pose);
+            let pose = chart.from_map(after.pose);
             let Assumptions {
                 last_gate_m,
                 facade,
@@ -266,7 +265,7 @@ impl Estimate {
     /// Where buildings could be by a refined pose, if that does not contradict what is known about
     /// them. A wall that was not seen before may be far from where its building was expected.
     fn guesses(&self, chart: &Chart, about: &Refined) -> BTreeMap<usize, Vector2<f64>> {
-        let apart = difference(self.pose, in_map(chart, about.pose)).xy();
+        let apart = difference(self.pose, chart.in_map(about.pose)).xy();
         let mut guesses = BTreeMap::new();
         for one in &about.buildings {
             let building = chart.buildings[one.building];
@@ -347,7 +346,7 @@ impl Estimate {
 
     /// Leaves out buildings that cannot be seen from here, and the farthest ones of too many.
     fn forget_far(&mut self, chart: &Chart, near: &Matching) {
-        let here = in_chart(chart, self.pose).point();
+        let here = chart.from_map(self.pose).point();
         let away = |own: &BuildingOffset| {
             let seen = near.buildings.iter();
             let mut indices = seen.map(|one| one.building);
@@ -411,15 +410,11 @@ fn is_credible(covariance: &Matrix3<f64>, error: &Vector3<f64>) -> bool {
     information.is_some_and(|known| error.dot(&(known * error)) <= CREDIBLE * CREDIBLE)
 }
 
-fn in_chart(chart: &Chart, pose: Pose2) -> Pose2 {
-    let MapPoint { x, y } = chart.origin;
-    Pose2::new(pose.x - x, pose.y - y, pose.yaw)
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
+    use openbench_core::MapPoint;
     use openbench_geometry::Polygon;
 
     use super::super::refine::refine;

@@ -8,7 +8,7 @@ use openbench_core::{AcceptedPose, MapComparison, MapPoint, PlaceScores, Pose2, 
 use openbench_geometry::Bounds;
 use openbench_osm::OsmMap;
 
-use super::candidates::{Candidate, candidates, in_map};
+use super::candidates::{Candidate, candidates};
 use super::chart::Chart;
 use super::estimate::{Estimate, Measured};
 use super::field::{CELL_M, MARGIN_CELLS};
@@ -249,7 +249,7 @@ impl Locator {
         let landscape = found.landscape.filter(|_| self.estimate.is_none());
         self.places = landscape.and_then(|landscape| landscape.scores(chart, &prior));
         let located = found.candidates.into_iter().map(|candidate| Located {
-            pose: in_map(chart, candidate.refined.pose),
+            pose: chart.in_map(candidate.refined.pose),
             candidate,
         });
         let (driven_m, earlier) = (self.driven_m, &self.bank);
