@@ -130,6 +130,11 @@ fn planners_and_numbers_of_scenes_that_make_no_sense_are_refused() {
     Place::new()
         .openbench("bench localization small --odometry-drift 2")
         .refused_with(&["--odometry-drift", "0 to 0.5"]);
+    for share in ["1", "NaN", "half"] {
+        Place::new()
+            .openbench(&format!("bench localization small --missing {share}"))
+            .refused_with(&["--missing", "0 to 0.9"]);
+    }
     Place::new()
         .openbench("bench motion --scenes 0")
         .refused_with(&["0"]);
@@ -211,9 +216,10 @@ fn a_robot_finds_itself_alike_on_any_number_of_threads_and_on_kept_drives() {
     assert!(truth["along"]["located"].as_f64().is_some());
     let table = place.openbench(
         "bench localization small --start block --poses 1 --drives kept --labels truth \
-         --without free-space --odometry-drift 0.01",
+         --without free-space --odometry-drift 0.01 --missing 0.3",
     );
-    let header = "map good, start block, true labels, without free space, 1 % of drift added\n";
+    let header = "map good, 30 % of the buildings missing, start block, true labels, \
+                  without free space, 1 % of drift added\n";
     assert!(
         table.succeeded().stdout.starts_with(header),
         "{}",
@@ -221,11 +227,13 @@ fn a_robot_finds_itself_alike_on_any_number_of_threads_and_on_kept_drives() {
     );
     assert!(place.read("kept/small-truth-seed-1.json").starts_with("[{"));
     place
-        .openbench("bench localization small --poses 1 --drives kept --examples all.jsonl")
+        .openbench(
+            "bench localization small --poses 1 --drives kept --missing 0.3 --examples all.jsonl",
+        )
         .succeeded();
     let examples = place.read("all.jsonl");
     assert!(
-        examples.starts_with("[\"small\",\"good\",\"10m\",{"),
+        examples.starts_with("[\"small\",\"good, 30 % of the buildings missing\",\"10m\",{"),
         "{examples:.80}"
     );
     place.file("kept/small-seed-1.json", "no drives");

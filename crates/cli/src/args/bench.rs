@@ -55,6 +55,7 @@ Examples:
   openbench bench localization medium --poses 50 --peers --peer ./my-program
   openbench bench localization medium --labels truth
   openbench bench localization medium --without building-offsets
+  openbench bench localization medium --start block --missing 0.5
   openbench bench localization krems --poses 2 --drive 3000 --odometry-drift 0.01")]
 pub struct BenchLocalizationArgs {
     /// Built-in worlds (small, medium-7, krems), suite files (.toml), or world folders
@@ -66,6 +67,9 @@ pub struct BenchLocalizationArgs {
     /// How wrong the map is: exact, good, city or poor, as in the condition `map`
     #[arg(long, default_value = "good")]
     pub level: String,
+    /// Share of the buildings that are missing on the map, instead of the level's
+    #[arg(long, value_name = "SHARE", value_parser = missing)]
+    pub missing: Option<f64>,
     /// What is known about the start: exact, 5m, 10m, block or map, as in the condition `start`;
     /// off for a robot that is beside the map
     #[arg(long, default_value = "10m")]
@@ -145,14 +149,18 @@ fn metres_of_drive(text: &str) -> Result<f64, String> {
 }
 
 fn drift(text: &str) -> Result<f64, String> {
-    let share = text
-        .parse()
-        .map_err(|_| "give a share, such as 0.01".to_owned())?;
-    if (0.0..=0.5).contains(&share) {
-        Ok(share)
-    } else {
-        Err("give a share from 0 to 0.5, such as 0.01".to_owned())
-    }
+    share(text, 0.5)
+}
+
+fn missing(text: &str) -> Result<f64, String> {
+    share(text, 0.9)
+}
+
+/// A share of something, at most so large.
+fn share(text: &str, most: f64) -> Result<f64, String> {
+    let share = text.parse().ok();
+    let allowed = share.filter(|share| (0.0..=most).contains(share));
+    allowed.ok_or(format!("give a share from 0 to {most}, such as 0.01"))
 }
 
 /// A Gazebo world instead of a built-in one.

@@ -29,6 +29,8 @@ use crate::progress::progress_bar;
 struct Found {
     /// How wrong the map is.
     level: String,
+    /// The share of buildings that it lacks, if it is not the level's.
+    missing: Option<f64>,
     /// What is known about the start.
     start: String,
     /// How facades are distinguished from other surfaces.
@@ -52,7 +54,7 @@ struct Found {
 
 /// Localizes a robot on drives through worlds.
 pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
-    let level = level::<MapErrors>(&args.level).context("--level")?;
+    let errors = errors_of_map(args)?;
     let is_on_map = args.start != "off";
     let beside = if is_on_map {
         None
@@ -76,6 +78,7 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
     let mut all = Vec::new();
     let mut of_peers = BTreeMap::new();
     let mut lines = String::new();
+    let map = map_in_words(&args.level, args.missing);
     for (name, suite) in suites {
         let prepared = Prepared::world_of(suite)?;
         prepared.warnings().iter().for_each(|warning| tell(warning));
@@ -83,10 +86,10 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
         bar.inc(1);
         let own = seed_of(&name, args.seed);
         let drives = with_drift(drives, args.odometry_drift, own);
-        let cases = cases(&prepared, &drives, &level, known, own)?;
+        let cases = cases(&prepared, &drives, &errors, known, own)?;
         if args.examples.is_some() {
             for example in examples(&cases, threads) {
-                let labelled = (&name, &args.level, &args.start, example);
+                let labelled = (&name, &map, &args.start, example);
                 writeln!(lines, "{}", serde_json::to_string(&labelled)?)?;
             }
         } else {
@@ -107,6 +110,7 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
     }
     let found = Found {
         level: args.level.clone(),
+        missing: args.missing,
         start: args.start.clone(),
         labels: args.labels,
         without: args.without,
@@ -152,6 +156,20 @@ fn level<C: Condition>(name: &str) -> anyhow::Result<C> {
             "there is no level `{name}`; write one of {}",
             known.join(", ")
         )
+    })
+}
+
+/// What is wrong with the map.
+fn errors_of_map(args: &BenchLocalizationArgs) -> anyhow::Result<MapErrors> {
+    let errors: MapErrors = level(&args.level).context("--level")?;
+    let missing = args.missing.unwrap_or(errors.missing);
+    Ok(MapErrors { missing, ..errors })
+}
+
+/// The map's level, and what differs from it.
+fn map_in_words(level: &str, missing: Option<f64>) -> String {
+    missing.map_or(level.to_owned(), |share| {
+        format!("{level}, {} % of the buildings missing", 100.0 * share)
     })
 }
 
@@ -307,7 +325,8 @@ Inside 95: fixes inside their ellipsoid of 95 %. Wall: distance to the nearest w
 
 /// What was tried. Injected truth, drift and parts left out are said in words.
 fn header(found: &Found) -> String {
-    let mut text = format!("map {}, start {}", found.level, found.start);
+    let map = map_in_words(&found.level, found.missing);
+    let mut text = format!("map {map}, start {}", found.start);
     if found.labels == LabelSource::Truth {
         text.push_str(", true labels");
     }
