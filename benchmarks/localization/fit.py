@@ -5,30 +5,28 @@
     python3 benchmarks/localization/fit.py FILE.jsonl...
 
 Probabilities are a conditional logit (McFadden 1974) over the candidates of an attempt and one
-more choice: none of them. Each world is judged with weights that were fitted to the others. Prints
-the weights for all worlds together, how many poses are right at each probability, and what each
-rule accepts along the drives. Needs NumPy.
+more choice: none of them. Poses of one place are judged together, with the sum of their
+probabilities. Each world is judged with weights that were fitted to the others. Prints the weights
+for all worlds together, how many poses are right at each probability, and what each rule accepts
+along the drives. Needs NumPy.
 """
 
 import collections
-import json
 import math
 import sys
 
 import numpy
 
-#: A candidate nearer than this to the truth is right, metres and radians.
-RIGHT_M, RIGHT_RAD = 3.0, 0.15
+from candidates import RIGHT_M, drives, error, is_same, places
+
 #: Strength of the penalty on large weights.
 RIDGE = 1e-3
-#: Poses of one hypothesis agree within this, metres and radians.
-SAME_M, SAME_RAD = 3.0, 0.1
-#: As in registration/hypothesis.rs: least information along any direction, and distance of places
-#: where few buildings are seen.
+#: As in registration/hypothesis.rs: least information along any direction, distance of places where
+#: few buildings are seen, and the fewest that are told by several places.
 LEAST_INFORMATION = 0.15
-FEW_BUILDINGS, FEW_APART_M = 3, 15.0
+FEW_BUILDINGS, FEW_APART_M, LEAST_BUILDINGS = 4, 15.0, 2
 #: Indices of two features: log(1 + number of buildings) and log(0.1 + least information).
-BUILDINGS, INFORMATION = 7, 8
+BUILDINGS, INFORMATION = 10, 11
 
 
 class Attempt:
@@ -39,31 +37,18 @@ class Attempt:
         self.features = numpy.array([one["features"] for one in ones])
         self.starts = [one["start"] for one in ones]
         self.errors = numpy.array([error(one) for one in ones])
-        best = int(self.errors.argmin())
-        self.right = best if self.errors[best] < RIGHT_M else -1
-        self.probabilities = None
+        #: Several poses of one place may be right.
+        self.is_right = self.errors < RIGHT_M
 
 
-def error(one):
-    """Metres from the truth; far if the heading is wrong or the robot beside the map."""
-    if one["error_m"] is None or one["error_rad"] > RIGHT_RAD:
-        return 1e9
-    return one["error_m"]
+class Place:
+    """The best pose of a place, with the probability of all poses there."""
 
-
-def drives(paths):
-    """The attempts of each drive, by world, level, start and number."""
-    grouped = collections.defaultdict(lambda: collections.defaultdict(list))
-    for path in paths:
-        with open(path) as file:
-            for line in file:
-                world, level, start, one = json.loads(line)
-                key = (world, level, start, one["case"])
-                grouped[key][one["metres"]].append(one)
-    return {
-        key: [Attempt(ones) for _, ones in sorted(attempts.items())]
-        for key, attempts in grouped.items()
-    }
+    def __init__(self, attempt, index, probability):
+        self.features = attempt.features[index]
+        self.start = attempt.starts[index]
+        self.error = attempt.errors[index]
+        self.probability = probability
 
 
 def probabilities(features, weights):
@@ -73,60 +58,102 @@ def probabilities(features, weights):
 
 
 def fit(attempts):
-    """Newton's method on the penalized likelihood."""
-    count = attempts[0].features.shape[1]
-    weights = numpy.zeros(count)
-    scale = 1.0 / len(attempts)
-    for _ in range(60):
-        gradient = -RIDGE * weights
-        hessian = RIDGE * numpy.eye(count)
-        for one in attempts:
-            p = probabilities(one.features, weights)
-            mean = p @ one.features
-            gradient -= scale * mean
-            if one.right >= 0:
-                gradient += scale * one.features[one.right]
-            hessian += scale * ((one.features.T * p) @ one.features - numpy.outer(mean, mean))
+    """Newton's method on the penalized likelihood: that one of the right candidates is chosen, or
+    none of them where none is right."""
+    features, is_there, is_right = arrays(attempts)
+    weights = numpy.zeros(features.shape[2])
+    likelihood = -math.inf
+    step = numpy.zeros_like(weights)
+    for _ in range(100):
+        every = Choice(features, is_there, weights + step)
+        right = Choice(features, is_right, weights + step)
+        reached = right.log_odds - every.log_odds - 0.5 * RIDGE * ((weights + step) ** 2).sum()
+        if reached < likelihood:
+            # The likelihood is not concave, and the step was too long.
+            step *= 0.5
+            continue
+        weights = weights + step
+        likelihood = reached
+        gradient = right.mean - every.mean - RIDGE * weights
+        hessian = every.covariance - right.covariance + RIDGE * numpy.eye(len(weights))
+        if numpy.linalg.eigvalsh(hessian)[0] <= 0.0:
+            hessian = every.covariance + RIDGE * numpy.eye(len(weights))
         step = numpy.linalg.solve(hessian, gradient)
-        weights += step
         if numpy.abs(step).max() < 1e-6:
-            break
-    return weights
+            return weights
+    sys.exit("the fit does not converge")
 
 
-def is_same(a, b):
-    turn = math.remainder(a[2] - b[2], math.tau)
-    return math.hypot(a[0] - b[0], a[1] - b[1]) < SAME_M and abs(turn) < SAME_RAD
+def arrays(attempts):
+    """Features of all candidates, which of them there are, and which are right. The last one of
+    each attempt is none of them."""
+    most = max(len(one.features) for one in attempts)
+    features = numpy.zeros((len(attempts), most + 1, attempts[0].features.shape[1]))
+    is_there = numpy.zeros(features.shape[:2], bool)
+    is_right = numpy.zeros(features.shape[:2], bool)
+    for i, one in enumerate(attempts):
+        count = len(one.features)
+        features[i, :count] = one.features
+        is_there[i, :count] = True
+        is_right[i, :count] = one.is_right
+    is_there[:, -1] = True
+    is_right[:, -1] = ~is_right.any(axis=1)
+    return features, is_there, is_right
+
+
+class Choice:
+    """What is chosen among some of the candidates: mean and covariance of its features, and the
+    logarithm of their odds together, averaged over attempts."""
+
+    def __init__(self, features, among, weights):
+        logits = numpy.where(among, features @ weights, -numpy.inf)
+        most = logits.max(axis=1, keepdims=True)
+        odds = numpy.exp(logits - most)
+        self.log_odds = (most[:, 0] + numpy.log(odds.sum(axis=1))).mean()
+        shares = odds / odds.sum(axis=1, keepdims=True)
+        means = numpy.einsum("ij,ijk->ik", shares, features)
+        weighted = features * shares[:, :, None]
+        squares = numpy.tensordot(weighted, features, ([0, 1], [0, 1]))
+        self.mean = means.mean(axis=0)
+        self.covariance = (squares - means.T @ means) / len(features)
+
+
+def judged_by(attempt, weights):
+    """The places of an attempt, the most probable one first."""
+    found = places(attempt.starts, probabilities(attempt.features, weights))
+    return [Place(attempt, i, probability) for i, probability in found]
 
 
 def accepted(attempts, rule):
-    """The first attempt whose best pose is accepted, and its error; None without one."""
+    """The first place that is accepted, as metres driven and its error; None without one. Takes
+    the metres and the places of each attempt."""
     bank = []
-    for attempt in attempts:
-        order = numpy.argsort(-attempt.probabilities)
+    for metres, found in attempts:
         following = []
-        for i in order:
-            start, p = attempt.starts[i], attempt.probabilities[i]
-            known = [past for other, past in bank if is_same(start, other)]
-            following.append((start, (known[0] if known else []) + [(attempt.metres, p)]))
+        for place in found:
+            known = [past for other, past in bank if is_same(place.start, other)]
+            past = known[0] if known else []
+            following.append((place.start, past + [(metres, place.probability)]))
         bank = following
-        if bank and is_certain(bank[0][1], attempt.features[order[0]], rule):
-            return attempt.metres, attempt.errors[order[0]]
+        if bank and is_certain(bank[0][1], found[0].features, rule):
+            return metres, found[0].error
     return None
 
 
 def is_certain(confirmations, features, rule):
     if math.exp(features[INFORMATION]) - 0.1 < LEAST_INFORMATION:
         return False
-    least_apart = FEW_APART_M if math.exp(features[BUILDINGS]) - 1.0 < FEW_BUILDINGS - 0.5 else 0.0
+    buildings = round(math.exp(features[BUILDINGS]) - 1.0)
+    least_apart = FEW_APART_M if buildings < FEW_BUILDINGS else 0.0
     now = confirmations[-1][1]
     return any(
-        now >= limit and places(confirmations, limit, max(apart, least_apart)) >= count
+        now >= limit and distant(confirmations, limit, max(apart, least_apart)) >= count
         for limit, count, apart in rule
+        if count == 1 or buildings >= LEAST_BUILDINGS
     )
 
 
-def places(confirmations, limit, apart):
+def distant(confirmations, limit, apart):
     """At how many places so far apart the probability was so high."""
     last, count = -math.inf, 0
     for metres, p in confirmations:
@@ -137,43 +164,26 @@ def places(confirmations, limit, apart):
 
 #: Each a list of probability, number of places, metres between them.
 RULES = {
-    "0.998 | 2 x 0.98 | 3 x 0.95 / 10 m": [(0.998, 1, 0), (0.98, 2, 10), (0.95, 3, 10)],
     "0.9995 | 2 x 0.98 | 3 x 0.95 / 10 m": [(0.9995, 1, 0), (0.98, 2, 10), (0.95, 3, 10)],
-    "0.9999 | 2 x 0.95 | 3 x 0.9 / 10 m": [(0.9999, 1, 0), (0.95, 2, 10), (0.9, 3, 10)],
     "0.9999 | 2 x 0.97 | 3 x 0.9 / 10 m": [(0.9999, 1, 0), (0.97, 2, 10), (0.9, 3, 10)],
     # The one of registration/hypothesis.rs.
     "0.9999 | 2 x 0.98 | 3 x 0.95 / 10 m": [(0.9999, 1, 0), (0.98, 2, 10), (0.95, 3, 10)],
     "0.9999 | 2 x 0.98 | 3 x 0.95 / 15 m": [(0.9999, 1, 0), (0.98, 2, 15), (0.95, 3, 15)],
+    "0.9999 | 2 x 0.98 | 3 x 0.95 | 4 x 0.9 / 10 m": [
+        (0.9999, 1, 0), (0.98, 2, 10), (0.95, 3, 10), (0.9, 4, 10)
+    ],
 }
 
 
 def main():
-    found = drives(sys.argv[1:])
-    worlds = sorted({key[0] for key in found})
-    for world in worlds:
-        others = [one for key, ones in found.items() if key[0] != world for one in ones]
-        weights = fit(others)
-        for key, ones in found.items():
-            if key[0] == world:
-                for one in ones:
-                    one.probabilities = probabilities(one.features, weights)
-    judged = []
-    for ones in found.values():
-        for one in ones:
-            best = int(one.probabilities.argmax())
-            judged.append((one.probabilities[best], one.errors[best]))
-    print("probability of the best pose: attempts, share that is right")
-    limits = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95, 0.98, 0.99, 0.995, 0.998, 1.0]
-    for low, high in zip(limits, limits[1:]):
-        ones = [one for one in judged if low <= one[0] < high]
-        if ones:
-            right = sum(error < RIGHT_M for _, error in ones)
-            mean = sum(one[0] for one in ones) / len(ones)
-            print(f"{low:5}-{high:<5} {len(ones):6} {right / len(ones):.3f} for {mean:.3f}")
+    read = drives(sys.argv[1:])
+    found = {key: [Attempt(ones) for ones in attempts] for key, attempts in read.items()}
+    judged = judge(found)
+    print_reliability([found for ones in judged.values() for _, found in ones])
     for name, rule in RULES.items():
         print(name)
         table = collections.defaultdict(list)
-        for key, ones in found.items():
+        for key, ones in judged.items():
             table[key[2], key[1]].append(accepted(ones, rule))
         for key, ones in sorted(table.items()):
             within = [
@@ -185,6 +195,30 @@ def main():
             print(f"  {key[0]:>6} {key[1]:>5} {len(ones):5} drives, accepted {shares} %, {wrong} wrong")
     weights = fit([one for ones in found.values() for one in ones])
     print("[" + ", ".join(f"{value:.3f}" for value in weights) + "]")
+
+
+def judge(found):
+    """Metres and places of each attempt of each drive, with weights fitted to other worlds."""
+    judged = {}
+    for world in sorted({key[0] for key in found}):
+        others = [one for key, ones in found.items() if key[0] != world for one in ones]
+        weights = fit(others)
+        for key, ones in found.items():
+            if key[0] == world:
+                judged[key] = [(one.metres, judged_by(one, weights)) for one in ones]
+    return judged
+
+
+def print_reliability(attempts):
+    print("probability of the best place: attempts, share that is right")
+    best = [found[0] for found in attempts]
+    limits = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95, 0.98, 0.99, 0.995, 0.998, 1.0]
+    for low, high in zip(limits, limits[1:]):
+        ones = [one for one in best if low <= one.probability < high]
+        if ones:
+            right = sum(one.error < RIGHT_M for one in ones) / len(ones)
+            mean = sum(one.probability for one in ones) / len(ones)
+            print(f"{low:5}-{high:<5} {len(ones):6} {right:.3f} for {mean:.3f}")
 
 
 main()

@@ -4,18 +4,16 @@
     openbench bench localization WORLD... --level city --start block --examples FILE.jsonl
     python3 benchmarks/localization/reliability.py OUT.svg FILE.jsonl...
 
-Left, the reliability diagram: the best pose after each five metres of all drives, by probability.
+Left, the reliability diagram: the best place after each five metres of all drives, by probability.
 Right, risk over coverage. For each probability, coverage is the share of poses above it, and risk
 is the share of these that is wrong. Prints both as numbers.
 """
 
-import collections
-import json
 import math
 import sys
 
-#: A pose nearer than this to the truth is right, metres and radians, as in fit.py.
-RIGHT_M, RIGHT_RAD = 3.0, 0.15
+from candidates import RIGHT_M, drives, error, places
+
 LIMITS = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.98, 1.0]
 COVERAGES = [0.2, 0.4, 0.6, 0.8, 0.9, 1.0]
 #: Ends of the logarithmic axis of wrong poses.
@@ -25,21 +23,15 @@ Z = 1.96
 SIDE, MARGIN, GAP = 300, 60, 90
 
 
-def best_poses(paths):
-    """Probability of the best pose of each attempt, and whether it is right."""
-    attempts = collections.defaultdict(list)
-    for path in paths:
-        with open(path) as file:
-            for line in file:
-                world, level, start, one = json.loads(line)
-                attempts[world, level, start, one["case"], one["metres"]].append(one)
-    best = [max(ones, key=lambda one: one["probability"]) for ones in attempts.values()]
-    return [(one["probability"], is_right(one)) for one in best]
+def best_places(paths):
+    """Probability of the best place of each attempt, and whether it is right."""
+    return [best(ones) for attempts in drives(paths).values() for ones in attempts]
 
 
-def is_right(one):
-    """Whether a pose is near the truth; none is for a robot beside the map."""
-    return one["error_m"] is not None and one["error_m"] < RIGHT_M and one["error_rad"] < RIGHT_RAD
+def best(ones):
+    found = places([one["start"] for one in ones], [one["probability"] for one in ones])
+    index, probability = found[0]
+    return probability, error(ones[index]) < RIGHT_M
 
 
 def wilson(right, count):
@@ -145,7 +137,7 @@ def main():
     """Entry point."""
     if len(sys.argv) < 3:
         sys.exit(__doc__)
-    judged = best_poses(sys.argv[2:])
+    judged = best_places(sys.argv[2:])
     bins, curve = list(reliability(judged)), risks(judged)
     print(f"{len(judged)} best poses")
     for mean, share, (low, high), count in bins:

@@ -96,12 +96,15 @@ pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior, assumed: &Assum
 fn judge(candidates: &mut [Candidate], evidence: &Evidence, volume: f64) {
     let costs = candidates.iter().map(|one| one.cost);
     let least = costs.fold(f64::INFINITY, f64::min);
+    let misfits = candidates.iter().map(|one| one.refined.misfit);
+    let least_misfit = misfits.fold(f64::INFINITY, f64::min);
     for one in candidates.iter_mut() {
         let merits = Merits {
             refined: &one.refined,
             explained: &one.explained,
             cost: one.cost,
             more: one.cost - least,
+            more_misfit: one.refined.misfit - least_misfit,
             pieces: evidence.facades(),
             surprise: one.prior + libm::log(1.0 + volume),
         };
@@ -194,7 +197,7 @@ mod tests {
         let found = found.candidates;
         let error = found[0].refined.pose.point().distance(truth.point());
         assert!(error < 0.05, "{error}");
-        assert!(found[0].explained.facades > 0.9);
+        assert!(found[0].explained.met > 0.9);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! How well a pose explains what was seen: facades that are on walls, and rays that pass through
-//! buildings.
+//! How well a pose explains the ground that was seen to be free: how far it reaches towards walls,
+//! and through them.
 
 use std::f64::consts::TAU;
 
@@ -19,13 +19,15 @@ const STRIDE: usize = 4;
 /// Free ground this far behind a wall contradicts it, metres: displaced buildings and open doors
 /// are no contradiction.
 const BEHIND_M: f64 = 2.0;
+/// Free ground that ends this near to a wall ends at it, metres.
+const AT_WALL_M: f64 = 1.0;
 
 /// What a pose explains.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Explained {
-    /// Share of the facades that are on a wall.
-    pub facades: f64,
-    /// Share of the rays towards walls that pass through them.
+    /// Share of the rays towards walls along which free ground ends at the wall,
+    pub met: f64,
+    /// and of those along which it goes on behind it.
     pub through: f64,
     /// Share of all rays that lead towards a wall near by.
     pub towards: f64,
@@ -42,6 +44,7 @@ pub fn explain(chart: &Chart, submap: &Submap, refined: &Refined) -> Explained {
     let barriers = barriers(chart, refined);
     let mut rays = 0;
     let mut towards = 0;
+    let mut met = 0;
     let mut through = 0;
     for panorama in &submap.panoramas {
         let from = refined.pose.transform(panorama.from.x, panorama.from.y);
@@ -53,13 +56,15 @@ pub fn explain(chart: &Chart, submap: &Submap, refined: &Refined) -> Explained {
             rays += 1;
             if let Some(range) = first_wall(&barriers, from, ray) {
                 towards += 1;
-                through += usize::from(f64::from(*free) > range + BEHIND_M);
+                let behind = f64::from(*free) - range;
+                met += usize::from(behind.abs() < AT_WALL_M);
+                through += usize::from(behind > BEHIND_M);
             }
         }
     }
     let share = |count: usize, all: usize| count as f64 / (all.max(1)) as f64;
     Explained {
-        facades: share(refined.matched, refined.facades),
+        met: share(met, towards),
         through: share(through, towards),
         towards: share(towards, rays),
     }
@@ -123,13 +128,13 @@ mod tests {
     #[test]
     fn the_right_pose_explains_all() {
         let right = explained(Pose2::new(0.5, -0.3, 0.02));
-        assert!(right.facades > 0.95 && right.through == 0.0, "{right:?}");
+        assert!(right.met > 0.9 && right.through == 0.0, "{right:?}");
         assert!((0.2..0.9).contains(&right.towards), "{right:?}");
     }
 
     #[test]
-    fn a_wrong_pose_leaves_facades_alone_and_sees_through_walls() {
+    fn from_a_wrong_pose_free_ground_ends_before_walls_or_goes_on_behind_them() {
         let wrong = explained(Pose2::new(6.0, 1.0, 1.6));
-        assert!(wrong.facades < 0.6 && wrong.through > 0.1, "{wrong:?}");
+        assert!(wrong.met < 0.5 && wrong.through > 0.1, "{wrong:?}");
     }
 }

@@ -16,16 +16,20 @@ const PROBABLE: f64 = 0.95;
 const APART_M: f64 = 10.0;
 /// and so far where fewer than [`FEW_BUILDINGS`] are seen, metres.
 const FEW_APART_M: f64 = 15.0;
-/// Of two equal buildings, wrong on the map, the view may fit better the other way round.
-const FEW_BUILDINGS: usize = 3;
+/// Two equal buildings, wrong on the map, may fit better the other way round, and three of another
+/// place may lie as those that are seen.
+const FEW_BUILDINGS: usize = 4;
+/// Of fewer buildings no number of places says which they are: one that looks like another does so
+/// all along the way.
+const LEAST_BUILDINGS: usize = 2;
 /// A pose with less information along some direction is not accepted, 1/m²: in a street of parallel
 /// facades it may be anywhere along it.
 const LEAST_INFORMATION: f64 = 0.15;
 /// Confirmations are remembered for so long on the way, metres.
 const REMEMBERED_M: f64 = 100.0;
-/// A hypothesis is confirmed by a pose no farther than this from where it should be, metres,
+/// Poses no farther apart than this are one hypothesis, metres,
 const SAME_M: f64 = 3.0;
-/// and turned no more, radians.
+/// and turned against each other no more, radians.
 const SAME_RAD: f64 = 0.1;
 
 /// A pose of the robot on the map.
@@ -45,6 +49,27 @@ impl Located {
             information: self.candidate.refined.information,
         }
     }
+}
+
+/// Poses of different places, the most probable one first. The best pose of each place stands for
+/// all of them, with the sum of their probabilities: refinements that end a metre or two apart say
+/// where the robot is, and do not contradict each other.
+pub fn places(candidates: &[Located]) -> Vec<Located> {
+    let mut ordered: Vec<&Located> = candidates.iter().collect();
+    let probability = |one: &Located| one.candidate.probability;
+    ordered.sort_by(|a, b| probability(b).total_cmp(&probability(a)));
+    let mut places: Vec<Located> = Vec::new();
+    for one in ordered {
+        match places
+            .iter_mut()
+            .find(|place| is_same(place.pose, one.pose))
+        {
+            Some(place) => place.candidate.probability += one.candidate.probability,
+            None => places.push(one.clone()),
+        }
+    }
+    places.sort_by(|a, b| probability(b).total_cmp(&probability(a)));
+    places
 }
 
 /// When a pose is accepted.
@@ -115,9 +140,12 @@ impl Hypothesis {
 
     /// Whether it was confirmed often enough, at places that lie apart.
     fn is_confirmed(&self) -> bool {
-        let probability = self.located.candidate.probability;
-        self.places(LIKELY) >= 2 && probability >= LIKELY
-            || self.places(PROBABLE) >= 3 && probability >= PROBABLE
+        let candidate = &self.located.candidate;
+        let at_places = |count: usize, probability: f64| {
+            candidate.probability >= probability && self.places(probability) >= count
+        };
+        candidate.refined.buildings.len() >= LEAST_BUILDINGS
+            && (at_places(2, LIKELY) || at_places(3, PROBABLE))
     }
 
     /// At how many places apart it was at least so probable.
@@ -163,6 +191,7 @@ mod tests {
             building_m: 0.5,
             buildings: (0..buildings).map(BuildingEvidence::of).collect(),
             closeness: 0.9,
+            misfit: 1.0,
             matched: 90,
             facades: 100,
         };
@@ -210,6 +239,26 @@ mod tests {
         assert!(!is_accepted(&confirmed(5, 0.99, &[0.0, 5.0])));
         assert!(!is_accepted(&confirmed(2, 0.99, &[0.0, 10.0])));
         assert!(is_accepted(&confirmed(2, 0.99, &[0.0, 15.0])));
+    }
+
+    #[test]
+    fn places_do_not_tell_which_building_a_single_one_is() {
+        assert!(!is_accepted(&confirmed(1, 0.99, &[0.0, 20.0, 40.0, 60.0])));
+        assert!(is_accepted(&confirmed(1, 0.99995, &[0.0])));
+    }
+
+    #[test]
+    fn poses_of_one_place_are_one_hypothesis_with_the_probabilities_of_all() {
+        let at = |x: f64, probability: f64| located(Pose2::new(x, 0.0, 0.0), 5, probability, 5.0);
+        let found = places(&[at(50.0, 0.4), at(0.0, 0.3), at(2.0, 0.25)]);
+        let said: Vec<_> = found
+            .iter()
+            .map(|one| (one.pose.x, one.candidate.probability))
+            .collect();
+        assert_eq!(said, [(0.0, 0.55), (50.0, 0.4)]);
+        let turned = located(Pose2::new(0.0, 0.0, 0.2), 5, 0.2, 5.0);
+        assert_eq!(places(&[at(0.0, 0.3), turned]).len(), 2);
+        assert!(places(&[]).is_empty());
     }
 
     #[test]

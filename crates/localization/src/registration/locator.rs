@@ -12,7 +12,7 @@ use super::candidates::{Candidate, candidates};
 use super::chart::Chart;
 use super::estimate::{Estimate, Measured};
 use super::field::{CELL_M, MARGIN_CELLS};
-use super::hypothesis::{Acceptance, Hypothesis, Located};
+use super::hypothesis::{Acceptance, Hypothesis, Located, places};
 use super::prior::Prior;
 use super::refine::Assumptions;
 use super::stretch::Stretch;
@@ -66,6 +66,9 @@ pub struct Locator {
     way: VecDeque<Stretch>,
     driven_m: f64,
     chart: Option<(Chart, Bounds)>,
+    /// Poses that were compared last.
+    candidates: Vec<Located>,
+    /// Those of different places, and what confirmed them.
     bank: Vec<Hypothesis>,
     /// Facades that were compared last, in the frame of the robot at the end of the way.
     seen: Vec<MapPoint>,
@@ -117,6 +120,7 @@ impl Locator {
             way: VecDeque::new(),
             driven_m: 0.0,
             chart: None,
+            candidates: Vec::new(),
             bank: Vec::new(),
             seen: Vec::new(),
             places: None,
@@ -139,7 +143,13 @@ impl Locator {
         self.chart.as_ref().map(|(chart, _)| chart)
     }
 
-    /// What may be true, the most probable one first.
+    /// All poses that were compared last, several of them at one place; their probabilities sum up
+    /// to less than one.
+    pub fn candidates(&self) -> &[Located] {
+        &self.candidates
+    }
+
+    /// What may be true, one pose for each place, the most probable one first.
     pub fn hypotheses(&self) -> &[Hypothesis] {
         &self.bank
     }
@@ -252,8 +262,10 @@ impl Locator {
             pose: chart.in_map(candidate.refined.pose),
             candidate,
         });
+        self.candidates = located.collect();
         let (driven_m, earlier) = (self.driven_m, &self.bank);
-        let bank = located.map(|located| Hypothesis::found(located, here, driven_m, earlier));
+        let places = places(&self.candidates).into_iter();
+        let bank = places.map(|located| Hypothesis::found(located, here, driven_m, earlier));
         self.bank = bank.collect();
         let measured = match self.estimate.take() {
             None => self.find(here),
@@ -390,6 +402,7 @@ impl Locator {
     fn forget_way(&mut self) {
         self.doubts = 0;
         self.presumed = None;
+        self.candidates.clear();
         self.bank.clear();
         self.way.clear();
     }

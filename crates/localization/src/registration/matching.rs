@@ -157,16 +157,20 @@ impl Matching {
         let mut matches = Matches::default();
         for facade in facades {
             let at = pose.transform(facade.at.x, facade.at.y);
-            let Some(fit) = self.fit(at, facade.facing + pose.yaw, gate) else {
+            let views = f64::from(facade.views.min(MOST_VIEWS)) / f64::from(MOST_VIEWS);
+            let information = views * noise.information();
+            let fit = self.fit(at, facade.facing + pose.yaw, gate);
+            // Tukey's biweight: nothing jumps when a facade leaves the gate.
+            let scaled = fit.map_or(1.0, |fit| fit.away / gate);
+            let inside = 1.0 - scaled * scaled;
+            matches.misfit += information * gate * gate / 6.0 * (1.0 - inside.powi(3));
+            let Some(fit) = fit else {
                 continue;
             };
-            let views = f64::from(facade.views.min(MOST_VIEWS)) / f64::from(MOST_VIEWS);
-            let scaled = fit.away / gate;
-            // Tukey's biweight: nothing jumps when a facade leaves the gate.
-            let robust = (1.0 - scaled * scaled).powi(2);
+            let robust = inside * inside;
             matches.count += 1;
             matches.closeness += robust;
-            let weight = robust * views * noise.information();
+            let weight = robust * information;
             let normal = fit.normal;
             // The facade moves with the heading about the robot.
             let lever = Vector2::new(-(at.y - pose.y), at.x - pose.x);
@@ -222,6 +226,8 @@ pub(super) struct Matches {
     pub(super) count: usize,
     /// Sum of their closeness, 0 at the gate and 1 on the wall.
     pub(super) closeness: f64,
+    /// Tukey's loss of all facades, nats; of one that matches none as at the gate.
+    pub(super) misfit: f64,
 }
 
 /// A facade on a wall.

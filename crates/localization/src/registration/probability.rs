@@ -9,13 +9,14 @@ use super::explain::Explained;
 use super::refine::Refined;
 
 /// Number of features.
-pub const FEATURES: usize = 11;
+pub const FEATURES: usize = 14;
 /// What a probability is computed from, in the order of the weights.
 pub type Features = [f64; FEATURES];
 
 /// What each feature says.
 const WEIGHTS: Features = [
-    -1.201, -0.006, 0.132, 3.592, -0.861, -1.049, 1.190, -0.219, 1.486, -0.398, -1.153,
+    -1.978, -0.055, 0.209, -0.301, 1.677, 2.015, 0.646, -1.102, -1.523, 0.496, 0.664, 1.668,
+    -1.020, -1.536,
 ];
 
 /// What speaks for a candidate.
@@ -29,6 +30,9 @@ pub struct Merits<'a> {
     pub cost: f64,
     /// and how much more than the cheapest one.
     pub more: f64,
+    /// How much more the distances of facades from walls cost than at the pose that they fit best,
+    /// nats.
+    pub more_misfit: f64,
     /// Number of pieces of facades that voted.
     pub pieces: usize,
     /// How improbable it was beforehand, nats: minus the logarithm of the prior's density. In a
@@ -44,9 +48,14 @@ impl Merits<'_> {
             1.0,
             self.more / 10.0,
             self.cost / (pieces + 10.0),
-            logit(self.refined.closeness),
-            logit(self.explained.facades),
+            self.more_misfit / 10.0,
+            // Apart from each other: what the map lacks leaves facades on no wall, and those on
+            // walls as close to them as ever.
+            logit(self.refined.closeness_of_matched()),
+            logit(self.refined.matched_share()),
+            logit(self.explained.met),
             libm::log(0.01 + self.explained.through),
+            libm::log(0.02 + self.explained.towards),
             libm::log(1.0 + pieces),
             libm::log(1.0 + self.refined.buildings.len() as f64),
             libm::log(0.1 + self.refined.weakest()),
@@ -87,9 +96,12 @@ mod tests {
             1.0,
             0.0,
             0.5,
+            0.0,
             logit(0.9),
             logit(0.95),
+            logit(0.9),
             -4.6,
+            -0.5,
             5.0,
             2.0,
             1.0,
@@ -102,7 +114,7 @@ mod tests {
 
     #[test]
     fn the_better_one_of_two_is_more_probable_and_both_leave_room_for_none() {
-        let poor = good(|features| features[3] = logit(0.5));
+        let poor = good(|features| features[5] = logit(0.5));
         let found = probabilities(&[poor, good(|_| {})]);
         assert!(
             found[1] > found[0] && found.iter().sum::<f64>() < 1.0,
@@ -114,15 +126,15 @@ mod tests {
 
     #[test]
     fn what_was_improbable_beforehand_still_is() {
-        let far = good(|features| features[10] = 14.0);
+        let far = good(|features| features[13] = 14.0);
         assert!(probabilities(&[far])[0] < probabilities(&[good(|_| {})])[0]);
     }
 
     #[test]
     fn no_logit_is_too_large() {
-        let huge = good(|features| features[8] = 1e6);
+        let huge = good(|features| features[11] = 1e6);
         assert_eq!(probabilities(&[huge, good(|_| {})]), [1.0, 0.0]);
-        let none = good(|features| features[9] = f64::NAN);
+        let none = good(|features| features[12] = f64::NAN);
         assert_eq!(probabilities(&[none, huge]), [0.0, 1.0]);
         assert!(probabilities(&[]).is_empty());
     }

@@ -76,6 +76,9 @@ pub struct Refined {
     pub buildings: Vec<BuildingEvidence>,
     /// How close facades are to their walls, from 0, where none is within the gate, to 1.
     pub closeness: f64,
+    /// What the distances of all facades from walls cost, nats: a robust half of squared errors, in
+    /// which one facade that is on no wall costs no more than one at the gate.
+    pub misfit: f64,
     /// Facades that match a wall,
     pub matched: usize,
     /// of so many.
@@ -87,6 +90,16 @@ impl Refined {
     pub fn offset(&self, building: usize) -> Option<Vector2<f64>> {
         let own = self.buildings.iter().find(|one| one.building == building);
         own.map(|one| one.offset)
+    }
+
+    /// Share of the facades that match a wall.
+    pub fn matched_share(&self) -> f64 {
+        self.matched as f64 / self.facades.max(1) as f64
+    }
+
+    /// How close the facades that match a wall are to it, from 0 to 1.
+    pub fn closeness_of_matched(&self) -> f64 {
+        self.closeness * self.facades as f64 / self.matched.max(1) as f64
     }
 
     /// Information about the position along the direction in which it is known least, 1/m².
@@ -144,6 +157,7 @@ pub fn refine(
         building_m: problem.building_m,
         buildings: problem.matching.matched(),
         closeness: matches.closeness / facades as f64,
+        misfit: matches.misfit,
         matched: matches.count,
         facades,
     })
@@ -299,6 +313,22 @@ mod tests {
             .unwrap();
         let wall_relative = refined.pose.y - (shifts[1].1 + house.offset.y) - truth.y;
         assert!(wall_relative.abs() < 0.2, "{wall_relative}");
+    }
+
+    #[test]
+    fn what_the_map_lacks_leaves_facades_on_no_wall_and_the_others_as_close_as_before() {
+        let seen = submap(&town(), Pose2::default());
+        let refined = |mapped: &[openbench_geometry::Polygon]| {
+            let assumed = Assumptions::default();
+            refine(&chart(mapped), &seen, Pose2::default(), &assumed).unwrap()
+        };
+        let (all, some) = (refined(&town()), refined(&town()[1..]));
+        assert!(all.matched_share() > 0.95 && some.matched_share() < 0.9);
+        let change = all.closeness_of_matched() - some.closeness_of_matched();
+        assert!(change.abs() < 0.02, "{change}");
+        // 0.2 / 0.3² times 1.5² / 6 nats at most.
+        let each = (some.misfit - all.misfit) / (all.matched - some.matched) as f64;
+        assert!((0.1..0.84).contains(&each), "{each}");
     }
 
     #[test]

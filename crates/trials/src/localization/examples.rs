@@ -4,7 +4,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use openbench_bench::run::threads;
-use openbench_localization::registration::hypothesis::{Acceptance, Hypothesis};
+use openbench_localization::registration::hypothesis::{Acceptance, Located};
 use openbench_localization::registration::locator::{Judgement, Locator};
 use openbench_localization::registration::probability::Features;
 use serde::Serialize;
@@ -52,13 +52,13 @@ fn of_case(number: usize, case: &Case<'_>) -> Vec<Example> {
     for shown in case.drive.shown() {
         shown.to(&mut locator);
         let example = |one| example(number, case, &shown, one);
-        examples.extend(locator.hypotheses().iter().map(example));
+        examples.extend(locator.candidates().iter().map(example));
     }
     examples
 }
 
-fn example(number: usize, case: &Case<'_>, shown: &Shown<'_>, one: &Hypothesis) -> Example {
-    let pose = one.located.pose;
+fn example(number: usize, case: &Case<'_>, shown: &Shown<'_>, one: &Located) -> Example {
+    let pose = one.pose;
     let back = case.drive.start().seen_from(shown.seen.stretch.end);
     let start = pose.compose(back);
     let errors = case
@@ -70,7 +70,7 @@ fn example(number: usize, case: &Case<'_>, shown: &Shown<'_>, one: &Hypothesis) 
         start: [start.x, start.y, start.yaw],
         error_m: errors.map(|errors| errors.metres),
         error_rad: errors.map(|errors| errors.radians),
-        features: one.located.candidate.features,
-        probability: one.located.candidate.probability,
+        features: one.candidate.features,
+        probability: one.candidate.probability,
     }
 }

@@ -1,0 +1,45 @@
+"""Candidate poses as `openbench bench localization --examples FILE.jsonl` writes them."""
+
+import collections
+import json
+import math
+
+#: A candidate nearer than this to the truth is right, metres and radians.
+RIGHT_M, RIGHT_RAD = 3.0, 0.15
+#: Poses of one place agree within this, metres and radians, as in registration/hypothesis.rs.
+SAME_M, SAME_RAD = 3.0, 0.1
+
+
+def drives(paths):
+    """The candidates of each drive by world, level, start and number: a list of attempts in the
+    order of the metres driven, each a list of candidates."""
+    grouped = collections.defaultdict(lambda: collections.defaultdict(list))
+    for path in paths:
+        with open(path) as file:
+            for line in file:
+                world, level, start, one = json.loads(line)
+                grouped[world, level, start, one["case"]][one["metres"]].append(one)
+    return {key: [ones for _, ones in sorted(tries.items())] for key, tries in grouped.items()}
+
+
+def error(one):
+    """Metres from the truth; far if the heading is wrong or the robot beside the map."""
+    if one["error_m"] is None or one["error_rad"] > RIGHT_RAD:
+        return 1e9
+    return one["error_m"]
+
+
+def is_same(a, b):
+    """Whether two poses are at one place."""
+    turn = math.remainder(a[2] - b[2], math.tau)
+    return math.hypot(a[0] - b[0], a[1] - b[1]) < SAME_M and abs(turn) < SAME_RAD
+
+
+def places(starts, probabilities):
+    """Poses of different places, the most probable one first, as in registration/hypothesis.rs:
+    the index of the best pose of each place, and the sum of the probabilities there."""
+    sums = {}
+    for i in sorted(range(len(starts)), key=lambda i: -probabilities[i]):
+        known = next((k for k in sums if is_same(starts[k], starts[i])), i)
+        sums[known] = sums.get(known, 0.0) + probabilities[i]
+    return sorted(sums.items(), key=lambda place: -place[1])
