@@ -36,8 +36,8 @@ def is_same(a, b):
 
 
 def places(starts, probabilities):
-    """Poses of different places, the most probable one first, as in registration/hypothesis.rs:
-    the index of the best pose of each place, and the sum of the probabilities there."""
+    """Poses of different places, the most probable one first, as `distinct` of
+    registration/hypothesis.rs: the index of the best pose of each place, and the sum of the probabilities there."""
     sums = {}
     for i in sorted(range(len(starts)), key=lambda i: -probabilities[i]):
         known = next((k for k in sums if is_same(starts[k], starts[i])), i)

@@ -37,7 +37,8 @@ const SAME_RAD: f64 = 0.1;
 pub struct Located {
     /// The pose in `map`.
     pub pose: Pose2,
-    /// The candidate, in the coordinates of the locator's chart.
+    /// The candidate, in the coordinates of the locator's chart. In a hypothesis its probability
+    /// is that of all candidates at the same place.
     pub candidate: Candidate,
 }
 
@@ -54,7 +55,7 @@ impl Located {
 /// Poses of different places, the most probable one first. The best pose of each place stands for
 /// all of them, with the sum of their probabilities: refinements that end a metre or two apart say
 /// where the robot is, and do not contradict each other.
-pub fn places(candidates: &[Located]) -> Vec<Located> {
+pub fn distinct(candidates: &[Located]) -> Vec<Located> {
     let mut ordered: Vec<&Located> = candidates.iter().collect();
     let probability = |one: &Located| one.candidate.probability;
     ordered.sort_by(|a, b| probability(b).total_cmp(&probability(a)));
@@ -250,15 +251,15 @@ mod tests {
     #[test]
     fn poses_of_one_place_are_one_hypothesis_with_the_probabilities_of_all() {
         let at = |x: f64, probability: f64| located(Pose2::new(x, 0.0, 0.0), 5, probability, 5.0);
-        let found = places(&[at(50.0, 0.4), at(0.0, 0.3), at(2.0, 0.25)]);
+        let found = distinct(&[at(50.0, 0.4), at(0.0, 0.3), at(2.0, 0.25)]);
         let said: Vec<_> = found
             .iter()
             .map(|one| (one.pose.x, one.candidate.probability))
             .collect();
         assert_eq!(said, [(0.0, 0.55), (50.0, 0.4)]);
         let turned = located(Pose2::new(0.0, 0.0, 0.2), 5, 0.2, 5.0);
-        assert_eq!(places(&[at(0.0, 0.3), turned]).len(), 2);
-        assert!(places(&[]).is_empty());
+        assert_eq!(distinct(&[at(0.0, 0.3), turned]).len(), 2);
+        assert!(distinct(&[]).is_empty());
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::candidates::{Candidate, candidates};
 use super::chart::Chart;
 use super::estimate::{Estimate, Measured};
 use super::field::{CELL_M, MARGIN_CELLS};
-use super::hypothesis::{Acceptance, Hypothesis, Located, places};
+use super::hypothesis::{Acceptance, Hypothesis, Located, distinct};
 use super::prior::Prior;
 use super::refine::Assumptions;
 use super::stretch::Stretch;
@@ -264,7 +264,7 @@ impl Locator {
         });
         self.candidates = located.collect();
         let (driven_m, earlier) = (self.driven_m, &self.bank);
-        let places = places(&self.candidates).into_iter();
+        let places = distinct(&self.candidates).into_iter();
         let bank = places.map(|located| Hypothesis::found(located, here, driven_m, earlier));
         self.bank = bank.collect();
         let measured = match self.estimate.take() {
