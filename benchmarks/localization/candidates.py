@@ -11,14 +11,16 @@ SAME_M, SAME_RAD = 3.0, 0.1
 
 
 def drives(paths):
-    """The candidates of each drive by world, level, start and number: a list of attempts in the
-    order of the metres driven, each a list of candidates."""
+    """The candidates of each drive by world, level, start, number and file: a list of attempts in
+    the order of the metres driven, each a list of candidates. Rows of one level and start differ in
+    the place whose map the robot got, so files are kept apart."""
     grouped = collections.defaultdict(lambda: collections.defaultdict(list))
     for path in paths:
         with open(path) as file:
             for line in file:
                 world, level, start, one = json.loads(line)
-                grouped[world, level, start, one["case"]][one["metres"]].append(one)
+                key = world, level, start, one["case"], path
+                grouped[key][one["metres"]].append(one)
     return {key: [ones for _, ones in sorted(tries.items())] for key, tries in grouped.items()}
 
 
@@ -37,7 +39,8 @@ def is_same(a, b):
 
 def places(starts, probabilities):
     """Poses of different places, the most probable one first, as `distinct` of
-    registration/hypothesis.rs: the index of the best pose of each place, and the sum of the probabilities there."""
+    registration/hypothesis.rs: the index of the best pose of each place, and the sum of the
+    probabilities there."""
     sums = {}
     for i in sorted(range(len(starts)), key=lambda i: -probabilities[i]):
         known = next((k for k in sums if is_same(starts[k], starts[i])), i)

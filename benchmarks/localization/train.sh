@@ -9,6 +9,7 @@ if [ $# -ne 2 ]; then
     exit 2
 fi
 openbench=$1 folder=$2
+here=$(cd "$(dirname "$0")" && pwd)
 towns="medium-102 medium-103 medium-105 medium-107 large-104 large-106 large-111"
 # Neighbourhoods of six to eight buildings,
 some="small-108 small-301 small-302 small-303"
@@ -18,25 +19,53 @@ drawn="$towns $some $few"
 real="krems heidelberg"
 mkdir -p "$folder"
 
+# Houses in rows along parallel roads, which look alike in all of them.
+rows=
+for seed in 1 2 3 4 5 6; do
+    world=$folder/rows-$seed
+    rows="$rows $world"
+    [ -e "$world" ] && continue
+    python3 "$here/rows.py" "$seed" "$world.osm"
+    "$openbench" world generate --map "$world.osm" --seed "$seed" --out "$world"
+done
+
 # row NAME ARGUMENTS
 row() {
     file=$folder/$1.jsonl
     shift
     [ -e "$file" ] && return
     echo "$(date +%T) $file" >&2
-    # shellcheck disable=SC2086 # a list of words
-    "$openbench" bench localization "$@" --beside medium-109 --poses 20 --drives "$folder/drives" \
-        --jobs 2 --examples "$file"
+    "$openbench" bench localization "$@" --poses 10 --drives "$folder/drives" --jobs 2 \
+        --examples "$file"
+}
+
+# beside LEVEL OTHER WORLD...: drives in each of the worlds with the map of another one.
+beside() {
+    level=$1 other=$2
+    shift 2
+    for world in "$@"; do
+        [ "$world" = "$other" ] || row "$level-$(basename "$world")-$(basename "$other")" "$world" \
+            --level "$level" --start off --beside "$other"
+    done
 }
 
 # shellcheck disable=SC2086 # lists of words
 {
-    row city-10m $drawn $real --level city --start 10m
-    row city-block $drawn $real --level city --start block
-    row city-off $drawn $real --level city --start off
-    row good-block $drawn $real --level good --start block
-    row good-off $drawn $real --level good --start off
+    row city-10m $drawn $real $rows --level city --start 10m
+    row city-block $drawn $real $rows --level city --start block
+    row good-block $drawn $real $rows --level good --start block
     # Maps that lack much of what is seen. Of few buildings, none may be left.
     row good-block-half $towns --level good --start block --missing 0.5
     row good-block-third $some --level good --start block --missing 0.3
+    row city-10m-half $towns --level city --start 10m --missing 0.5
+    row city-10m-third $some --level city --start 10m --missing 0.3
+    beside city medium-109 $drawn $real
+    beside city large-106 $drawn $real
+    beside good medium-109 $drawn $real
+    beside good large-111 $drawn $real
+    beside good medium-103 $drawn $real $rows
 }
+for seed in 1 2 3 4 5 6; do
+    beside good "$folder/rows-$((seed % 6 + 1))" "$folder/rows-$seed"
+    beside city "$folder/rows-$(((seed + 2) % 6 + 1))" "$folder/rows-$seed"
+done
