@@ -10,7 +10,7 @@ use super::field::Field;
 use super::landscape::Landscape;
 use super::modes::{Mode, distinct, modes};
 use super::prior::Prior;
-use super::probability::{Features, Merits, probabilities};
+use super::probability::{FEATURES, Features, Merits, probabilities};
 use super::refine::{Assumptions, Refined, refine};
 use super::submap::Submap;
 use super::vote::Evidence;
@@ -81,7 +81,7 @@ pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior, assumed: &Assum
             explained,
             cost: mode.cost,
             prior: beforehand,
-            features: Features::default(),
+            features: [0.0; FEATURES],
             probability: 0.0,
         });
     }

@@ -9,9 +9,9 @@ use super::estimate::Measured;
 /// A pose this probable is accepted at once.
 const SURE: f64 = 0.9999;
 /// One that was this probable at two places is accepted,
-const LIKELY: f64 = 0.98;
+const LIKELY: f64 = 0.99;
 /// and one that was this probable at three.
-const PROBABLE: f64 = 0.95;
+const PROBABLE: f64 = 0.97;
 /// Places are so far apart on the way, metres: what is seen from nearer ones is nearly the same;
 const APART_M: f64 = 10.0;
 /// and so far where fewer than [`FEW_BUILDINGS`] are seen, metres.
@@ -227,24 +227,24 @@ mod tests {
     #[test]
     fn the_less_probable_a_pose_is_the_more_places_have_to_confirm_it() {
         assert!(is_accepted(&confirmed(5, 0.99995, &[0.0])));
-        assert!(!is_accepted(&confirmed(5, 0.99, &[0.0])));
-        assert!(is_accepted(&confirmed(5, 0.99, &[0.0, 10.0])));
-        assert!(!is_accepted(&confirmed(5, 0.96, &[0.0, 10.0])));
-        assert!(is_accepted(&confirmed(5, 0.96, &[0.0, 10.0, 20.0])));
+        assert!(!is_accepted(&confirmed(5, 0.995, &[0.0])));
+        assert!(is_accepted(&confirmed(5, 0.995, &[0.0, 10.0])));
+        assert!(!is_accepted(&confirmed(5, 0.98, &[0.0, 10.0])));
+        assert!(is_accepted(&confirmed(5, 0.98, &[0.0, 10.0, 20.0])));
         let often: Vec<f64> = (0..20).map(|i| 5.0 * f64::from(i)).collect();
-        assert!(!is_accepted(&confirmed(5, 0.9, &often)));
+        assert!(!is_accepted(&confirmed(5, 0.95, &often)));
     }
 
     #[test]
     fn places_lie_apart_and_farther_apart_where_few_buildings_are_seen() {
-        assert!(!is_accepted(&confirmed(5, 0.99, &[0.0, 5.0])));
-        assert!(!is_accepted(&confirmed(2, 0.99, &[0.0, 10.0])));
-        assert!(is_accepted(&confirmed(2, 0.99, &[0.0, 15.0])));
+        assert!(!is_accepted(&confirmed(5, 0.995, &[0.0, 5.0])));
+        assert!(!is_accepted(&confirmed(2, 0.995, &[0.0, 10.0])));
+        assert!(is_accepted(&confirmed(2, 0.995, &[0.0, 15.0])));
     }
 
     #[test]
     fn places_do_not_tell_which_building_a_single_one_is() {
-        assert!(!is_accepted(&confirmed(1, 0.99, &[0.0, 20.0, 40.0, 60.0])));
+        assert!(!is_accepted(&confirmed(1, 0.995, &[0.0, 20.0, 40.0, 60.0])));
         assert!(is_accepted(&confirmed(1, 0.99995, &[0.0])));
     }
 
@@ -264,15 +264,15 @@ mod tests {
 
     #[test]
     fn confirmations_of_long_ago_are_forgotten() {
-        assert!(!is_accepted(&confirmed(5, 0.99, &[0.0, 100.0])));
+        assert!(!is_accepted(&confirmed(5, 0.995, &[0.0, 100.0])));
     }
 
     #[test]
     fn a_pose_elsewhere_confirms_nothing() {
-        let before = [confirmed(5, 0.99, &[0.0])];
+        let before = [confirmed(5, 0.995, &[0.0])];
         let here = Pose2::new(10.0, 0.0, 0.0);
         let after = |x: f64, yaw: f64| {
-            let located = located(Pose2::new(x, 7.0, yaw), 5, 0.99, 5.0);
+            let located = located(Pose2::new(x, 7.0, yaw), 5, 0.995, 5.0);
             is_accepted(&Hypothesis::found(located, here, 10.0, &before))
         };
         assert!(after(110.0, 0.0));
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn some_judgements_need_one_place_or_accept_nothing() {
-        let twice = confirmed(5, 0.99, &[0.0, 10.0]);
+        let twice = confirmed(5, 0.995, &[0.0, 10.0]);
         assert!(!twice.is_accepted(Acceptance::AtOnePlace));
         let sure = confirmed(5, 0.99995, &[0.0]);
         assert!(sure.is_accepted(Acceptance::AtOnePlace));

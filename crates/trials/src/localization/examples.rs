@@ -6,7 +6,6 @@ use std::sync::Arc;
 use openbench_bench::run::threads;
 use openbench_localization::registration::hypothesis::{Acceptance, Located};
 use openbench_localization::registration::locator::{Judgement, Locator};
-use openbench_localization::registration::probability::Features;
 use serde::Serialize;
 
 use super::cases::Case;
@@ -27,7 +26,7 @@ pub struct Example {
     /// Difference from the true heading, radians.
     pub error_rad: Option<f64>,
     /// What its probability is computed from.
-    pub features: Features,
+    pub features: Vec<f64>,
     /// The probability.
     pub probability: f64,
 }
@@ -70,7 +69,7 @@ fn example(number: usize, case: &Case<'_>, shown: &Shown<'_>, one: &Located) -> 
         start: [start.x, start.y, start.yaw],
         error_m: errors.map(|errors| errors.metres),
         error_rad: errors.map(|errors| errors.radians),
-        features: one.candidate.features,
+        features: one.candidate.features.to_vec(),
         probability: one.candidate.probability,
     }
 }
