@@ -21,12 +21,14 @@ from candidates import RIGHT_M, drives, error, is_same, places
 
 #: Strength of the penalty on large weights.
 RIDGE = 1e-4
-#: As in registration/hypothesis.rs: least information along any direction, distance of places where
-#: few buildings are seen, and the fewest that are told by several places.
+#: As in registration/hypothesis.rs: a pose that becomes less probable is confirmed anew,
+DOUBTFUL = 0.9
+#: least information along any direction, distance of places where few buildings are seen, and the
+#: fewest that are told by several places.
 LEAST_INFORMATION = 0.15
 FEW_BUILDINGS, FEW_APART_M, LEAST_BUILDINGS = 4, 15.0, 2
-#: Indices of two features: log(1 + number of buildings) and log(0.1 + least information).
-BUILDINGS, INFORMATION = 10, 11
+#: Index of a feature: log(0.1 + least information).
+INFORMATION = 11
 
 
 class Attempt:
@@ -35,6 +37,7 @@ class Attempt:
     def __init__(self, ones):
         self.metres = ones[0]["metres"]
         self.features = numpy.array([one["features"] for one in ones])
+        self.buildings = [one["buildings"] for one in ones]
         self.starts = [one["start"] for one in ones]
         self.errors = numpy.array([error(one) for one in ones])
         #: Several poses of one place may be right.
@@ -45,7 +48,8 @@ class Place:
     """The best pose of a place, with the probability of all poses there."""
 
     def __init__(self, attempt, index, probability):
-        self.features = attempt.features[index]
+        self.least_information = math.exp(attempt.features[index][INFORMATION]) - 0.1
+        self.buildings = attempt.buildings[index]
         self.start = attempt.starts[index]
         self.error = attempt.errors[index]
         self.probability = probability
@@ -132,24 +136,23 @@ def accepted(attempts, rule):
         following = []
         for place in found:
             known = [past for other, past in bank if is_same(place.start, other)]
-            past = known[0] if known else []
+            past = known[0] if known and place.probability >= DOUBTFUL else []
             following.append((place.start, past + [(metres, place.probability)]))
         bank = following
-        if bank and is_certain(bank[0][1], found[0].features, rule):
+        if bank and is_certain(bank[0][1], found[0], rule):
             return metres, found[0].error
     return None
 
 
-def is_certain(confirmations, features, rule):
-    if math.exp(features[INFORMATION]) - 0.1 < LEAST_INFORMATION:
+def is_certain(confirmations, place, rule):
+    if place.least_information < LEAST_INFORMATION:
         return False
-    buildings = round(math.exp(features[BUILDINGS]) - 1.0)
-    least_apart = FEW_APART_M if buildings < FEW_BUILDINGS else 0.0
+    least_apart = FEW_APART_M if place.buildings < FEW_BUILDINGS else 0.0
     now = confirmations[-1][1]
     return any(
         now >= limit and distant(confirmations, limit, max(apart, least_apart)) >= count
         for limit, count, apart in rule
-        if count == 1 or buildings >= LEAST_BUILDINGS
+        if count == 1 or place.buildings >= LEAST_BUILDINGS
     )
 
 
@@ -190,7 +193,8 @@ def main():
             ]
             wrong = sum(one is not None and one[1] >= 5.0 for one in ones)
             shares = " ".join(f"{100 * share:4.0f}" for share in within)
-            print(f"  {key[0]:>6} {key[1]:>5} {len(ones):5} drives, accepted {shares} %, {wrong} wrong")
+            row = f"  {key[0]:>6} {key[1]:>5} {len(ones):5} drives"
+            print(f"{row}, accepted {shares} %, {wrong} wrong")
     weights = fit([one for ones in found.values() for one in ones])
     print("[" + ", ".join(f"{value:.3f}" for value in weights) + "]")
 

@@ -15,19 +15,28 @@ towns="medium-102 medium-103 medium-105 medium-107 large-104 large-106 large-111
 some="small-108 small-301 small-302 small-303"
 # and of two or three.
 few="small-203 small-216 small-220 small-224"
-drawn="$towns $some $few"
+invented="$towns $some $few"
 real="krems heidelberg"
 mkdir -p "$folder"
 
-# Houses in rows along parallel roads, which look alike in all of them.
-rows=
-for seed in 1 2 3 4 5 6; do
-    world=$folder/rows-$seed
-    rows="$rows $world"
-    [ -e "$world" ] && continue
-    python3 "$here/rows.py" "$seed" "$world.osm"
-    "$openbench" world generate --map "$world.osm" --seed "$seed" --out "$world"
-done
+# drawn SCRIPT SEED...: worlds of the maps that a script draws, and their folders in $drawn.
+drawn() {
+    script=$1 drawn=
+    shift
+    for seed in "$@"; do
+        world=$folder/$script-$seed
+        drawn="$drawn $world"
+        [ -e "$world" ] && continue
+        python3 "$here/$script.py" "$seed" "$world.osm"
+        "$openbench" world generate --map "$world.osm" --seed "$seed" --out "$world"
+    done
+}
+# Houses in rows along parallel roads, which look alike in all of them,
+drawn rows 1 2 3 4 5 6
+rows=$drawn
+# and two to ten houses within high walls that no map shows.
+drawn walled 1 2 3 4 5 6 7 15 37 42
+walled=$drawn
 
 # row NAME ARGUMENTS
 row() {
@@ -51,21 +60,33 @@ beside() {
 
 # shellcheck disable=SC2086 # lists of words
 {
-    row city-10m $drawn $real $rows --level city --start 10m
-    row city-block $drawn $real $rows --level city --start block
-    row good-block $drawn $real $rows --level good --start block
+    row city-10m $invented $real $rows $walled --level city --start 10m
+    row city-block $invented $real $rows $walled --level city --start block
+    row good-block $invented $real $rows $walled --level good --start block
     # Maps that lack much of what is seen. Of few buildings, none may be left.
     row good-block-half $towns --level good --start block --missing 0.5
     row good-block-third $some --level good --start block --missing 0.3
     row city-10m-half $towns --level city --start 10m --missing 0.5
     row city-10m-third $some --level city --start 10m --missing 0.3
-    beside city medium-109 $drawn $real
-    beside city large-106 $drawn $real
-    beside good medium-109 $drawn $real
-    beside good large-111 $drawn $real
-    beside good medium-103 $drawn $real $rows
+    beside city medium-109 $invented $real
+    beside city large-106 $invented $real
+    beside good medium-109 $invented $real
+    beside good large-111 $invented $real
+    beside good medium-103 $invented $real $rows $walled
 }
-for seed in 1 2 3 4 5 6; do
-    beside good "$folder/rows-$((seed % 6 + 1))" "$folder/rows-$seed"
-    beside city "$folder/rows-$(((seed + 2) % 6 + 1))" "$folder/rows-$seed"
+
+# around LEVEL BY WORLD...: drives in each with the map of the one that comes so much later.
+around() {
+    level=$1 by=$2
+    shift 2
+    for i in $(seq $#); do
+        j=$(((i + by - 1) % $# + 1))
+        eval "beside $level \"\${$j}\" \"\${$i}\""
+    done
+}
+
+# shellcheck disable=SC2086 # lists of words
+for same in "$rows" "$walled"; do
+    around good 1 $same
+    around city 3 $same
 done

@@ -9,6 +9,7 @@ use super::explain::{Explained, explain};
 use super::field::Field;
 use super::landscape::Landscape;
 use super::modes::{Mode, distinct, modes};
+use super::nearness::Nearness;
 use super::prior::Prior;
 use super::probability::{FEATURES, Features, Merits, probabilities};
 use super::refine::{Assumptions, Refined, refine};
@@ -33,7 +34,9 @@ const SEEN_FROM_M: f64 = 40.0;
 pub struct Candidate {
     /// The pose and what it was refined from.
     pub refined: Refined,
-    /// What it explains.
+    /// Where facades are relative to walls.
+    pub nearness: Nearness,
+    /// What it explains of the free ground.
     pub explained: Explained,
     /// What the vote and the prior said about it, nats; the best one has the least.
     pub cost: f64,
@@ -75,9 +78,11 @@ pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior, assumed: &Assum
         if is_known || beforehand.is_infinite() {
             continue;
         }
+        let nearness = Nearness::of(chart, submap, &refined);
         let explained = explain(chart, submap, &refined);
         candidates.push(Candidate {
             refined,
+            nearness,
             explained,
             cost: mode.cost,
             prior: beforehand,
@@ -101,8 +106,8 @@ fn judge(candidates: &mut [Candidate], evidence: &Evidence, volume: f64) {
     for one in candidates.iter_mut() {
         let merits = Merits {
             refined: &one.refined,
+            nearness: one.nearness,
             explained: &one.explained,
-            cost: one.cost,
             more: one.cost - least,
             more_misfit: one.refined.misfit - least_misfit,
             pieces: evidence.facades(),

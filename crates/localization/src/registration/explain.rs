@@ -72,10 +72,7 @@ pub fn explain(chart: &Chart, submap: &Submap, refined: &Refined) -> Explained {
 
 /// The walls around the pose, where the buildings are estimated to be.
 fn barriers(chart: &Chart, refined: &Refined) -> Vec<Barrier> {
-    let mut offsets = vec![Vector2::zeros(); chart.outlines.len()];
-    for building in &refined.buildings {
-        offsets[building.building] = building.offset;
-    }
+    let offsets = refined.offsets(chart.outlines.len());
     let here = refined.pose.point();
     let near = |wall: &&Wall| wall.segment.distance_to_point(here) < RANGE_M + WAY_M;
     let barrier = |wall: &Wall| {

@@ -12,6 +12,9 @@ const SURE: f64 = 0.9999;
 const LIKELY: f64 = 0.99;
 /// and one that was this probable at three.
 const PROBABLE: f64 = 0.97;
+/// A pose that becomes less probable than this is confirmed anew from there: something contradicts
+/// it, or speaks for another one.
+const DOUBTFUL: f64 = 0.9;
 /// Places are so far apart on the way, metres: what is seen from nearer ones is nearly the same;
 const APART_M: f64 = 10.0;
 /// and so far where fewer than [`FEW_BUILDINGS`] are seen, metres.
@@ -111,6 +114,9 @@ impl Hypothesis {
             .find(|one| is_same(one.expected(here), located.pose));
         let mut confirmations = confirmed.map_or(Vec::new(), |one| one.confirmations.clone());
         confirmations.retain(|one| driven_m - one.driven_m < REMEMBERED_M);
+        if located.candidate.probability < DOUBTFUL {
+            confirmations.clear();
+        }
         confirmations.push(Confirmation {
             driven_m,
             probability: located.candidate.probability,
@@ -179,6 +185,7 @@ mod tests {
 
     use super::super::explain::Explained;
     use super::super::matching::BuildingEvidence;
+    use super::super::nearness::Nearness;
     use super::super::probability::FEATURES;
     use super::super::refine::Refined;
     use super::*;
@@ -198,6 +205,7 @@ mod tests {
         };
         let candidate = Candidate {
             refined,
+            nearness: Nearness::default(),
             explained: Explained::default(),
             cost: 0.0,
             prior: 0.0,
@@ -209,12 +217,18 @@ mod tests {
 
     /// A robot that drives along x finds the same pose, this probable, after each of these metres.
     fn confirmed(buildings: usize, probability: f64, places: &[f64]) -> Hypothesis {
+        let found: Vec<_> = places.iter().map(|metres| (*metres, probability)).collect();
+        found_at(buildings, &found)
+    }
+
+    /// The same with a probability after each of the metres.
+    fn found_at(buildings: usize, found: &[(f64, f64)]) -> Hypothesis {
         let mut bank = Vec::new();
-        for metres in places {
+        for (metres, probability) in found {
             // `odom` begins at its own origin.
             let pose = Pose2::new(100.0 + metres, 7.0, 0.0);
             let here = Pose2::new(*metres, 0.0, 0.0);
-            let located = located(pose, buildings, probability, 5.0);
+            let located = located(pose, buildings, *probability, 5.0);
             bank = vec![Hypothesis::found(located, here, *metres, &bank)];
         }
         bank.remove(0)
@@ -260,6 +274,14 @@ mod tests {
         let turned = located(Pose2::new(0.0, 0.0, 0.2), 5, 0.2, 5.0);
         assert_eq!(distinct(&[at(0.0, 0.3), turned]).len(), 2);
         assert!(distinct(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_pose_that_was_doubtful_meanwhile_is_confirmed_anew() {
+        let with =
+            |probability: f64| found_at(5, &[(0.0, 0.995), (5.0, probability), (10.0, 0.995)]);
+        assert!(is_accepted(&with(0.95)));
+        assert!(!is_accepted(&with(0.8)));
     }
 
     #[test]

@@ -49,7 +49,8 @@
 //! | [`mod@modes`] | the best of these poses |
 //! | `landscape` | a picture of the vote |
 //! | [`prior`] | where the robot can be by its start and its way |
-//! | [`mod@explain`] | how well a pose explains what was seen |
+//! | [`nearness`] | facades on walls, beside them, and far from all |
+//! | [`mod@explain`] | how well a pose explains the free ground that was seen |
 //! | [`mod@candidates`] | the likely poses, refined and compared with what was seen |
 //! | [`probability`] | how probable each of them is |
 //! | [`hypothesis`] | such a pose along the way, and when it is accepted |
@@ -73,6 +74,7 @@ mod landscape;
 pub mod locator;
 pub mod matching;
 pub mod modes;
+pub mod nearness;
 pub mod prior;
 pub mod probability;
 pub mod refine;

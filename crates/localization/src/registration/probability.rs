@@ -6,14 +6,14 @@
 //! to drives in training worlds (`benchmarks/localization/fit.py`).
 
 use super::explain::Explained;
+use super::nearness::Nearness;
 use super::refine::Refined;
 
 /// Number of quantities that each have a weight,
 const SINGLE: usize = 14;
-/// and those whose products have one too, as indices: closeness, share on walls, number of
-/// buildings, least information, and how far buildings are off. Not cost: it grows as the share on
-/// walls falls, and the square of a cost beyond those of training made a wrong pose certain.
-const PAIRED: [usize; 5] = [4, 5, 10, 11, 12];
+/// and those whose products have one too, as indices: closeness, facades on walls over those near
+/// and around walls, least information, and how far buildings are off.
+const PAIRED: [usize; 5] = [3, 4, 5, 11, 12];
 /// Number of features.
 pub const FEATURES: usize = SINGLE + PAIRED.len() * (PAIRED.len() + 1) / 2;
 /// What a probability is computed from, in the order of the weights.
@@ -22,18 +22,18 @@ pub type Features = [f64; FEATURES];
 /// What each feature says.
 #[rustfmt::skip]
 const WEIGHTS: Features = [
-    -3.101, -0.031, 0.306, -0.609, -1.869, 1.575, 0.612, -1.475, -1.916, 2.040, -1.599, -0.516,
-    -1.098, -1.587,
+    -2.596, -0.014, -0.701, -1.556, -1.191, 1.579, 0.543, -1.206, -0.416, -1.024, 2.638, -0.968,
+    -0.621, -1.276,
     // Products of closeness, its square first,
-    0.392, 0.058, 0.465, 0.634, 0.301,
-    // of the share on walls,
-    -0.132, 0.019, 0.179, 0.818,
-    // of the number of buildings,
-    0.525, -0.114, -1.250,
+    0.131, 0.354, 0.311, 0.845, 0.257,
+    // of facades on walls over those near walls,
+    0.451, -1.318, 0.439, 0.466,
+    // and over those around walls,
+    0.523, -0.122, 0.219,
     // of the least information,
-    0.290, -0.363,
+    0.294, -1.522,
     // and of how far buildings are off.
-    -0.374,
+    -1.179,
 ];
 
 /// What speaks for a candidate.
@@ -41,11 +41,11 @@ const WEIGHTS: Features = [
 pub struct Merits<'a> {
     /// Where it is, refined.
     pub refined: &'a Refined,
-    /// What it explains.
+    /// Where facades are relative to walls.
+    pub nearness: Nearness,
+    /// What it explains of the free ground.
     pub explained: &'a Explained,
-    /// What it costs, nats,
-    pub cost: f64,
-    /// and how much more than the cheapest one.
+    /// How much more it costs than the cheapest one, nats.
     pub more: f64,
     /// How much more the distances of facades from walls cost than at the pose that they fit best,
     /// nats.
@@ -60,21 +60,20 @@ pub struct Merits<'a> {
 impl Merits<'_> {
     /// As numbers to weigh.
     pub fn features(&self) -> Features {
-        let pieces = self.pieces as f64;
         with_products([
             1.0,
             self.more / 10.0,
-            self.cost / (pieces + 10.0),
             self.more_misfit / 10.0,
-            // Apart from each other: what the map lacks leaves facades on no wall, and those on
-            // walls as close to them as ever.
+            // Not the share of all facades that are on walls, nor the cost, which falls with it: of
+            // a right pose too it is small, where the map lacks much of what is seen.
             logit(self.refined.closeness_of_matched()),
-            logit(self.refined.matched_share()),
+            self.nearness.on_over_near(),
+            self.nearness.on_over_around(),
             logit(self.explained.met),
             libm::log(0.01 + self.explained.through),
             libm::log(0.02 + self.explained.towards),
-            libm::log(1.0 + pieces),
-            libm::log(1.0 + self.refined.buildings.len() as f64),
+            libm::log(1.0 + self.pieces as f64),
+            libm::log(1.0 + self.nearness.on_wall as f64),
             libm::log(0.1 + self.refined.weakest()),
             self.refined.building_m,
             self.surprise,
@@ -82,8 +81,8 @@ impl Merits<'_> {
     }
 }
 
-/// Appends the products of the paired ones, squares among them. A sum of single quantities counts
-/// facades on the walls of one building as much as on those of ten, where chance rarely puts them.
+/// Appends the products of the paired ones, squares among them. In a sum of single quantities a
+/// close fit counts as much for a pose that a single wall determines as for one that many do.
 fn with_products(single: [f64; SINGLE]) -> Features {
     let mut features = [0.0; FEATURES];
     let (singles, products) = features.split_at_mut(SINGLE);
@@ -125,15 +124,15 @@ mod tests {
         let mut single = [
             1.0,
             0.0,
-            0.5,
             0.0,
-            logit(0.9),
             logit(0.95),
+            3.0,
+            2.5,
             logit(0.9),
             -4.6,
             -0.5,
             5.0,
-            2.0,
+            5.5,
             1.0,
             0.8,
             9.0,
@@ -144,7 +143,10 @@ mod tests {
 
     #[test]
     fn the_better_one_of_two_is_more_probable_and_both_leave_room_for_none() {
-        let poor = good(|features| features[5] = logit(0.5));
+        let poor = good(|features| {
+            features[4] = 0.5;
+            features[5] = 0.3;
+        });
         let found = probabilities(&[poor, good(|_| {})]);
         assert!(
             found[1] > found[0] && found.iter().sum::<f64>() < 1.0,
@@ -162,18 +164,19 @@ mod tests {
         assert_eq!(
             features[SINGLE..],
             [
-                16.0, 20.0, 40.0, 44.0, 48.0, 25.0, 50.0, 55.0, 60.0, 100.0, 110.0, 120.0, 121.0,
+                9.0, 12.0, 15.0, 33.0, 36.0, 16.0, 20.0, 44.0, 48.0, 25.0, 55.0, 60.0, 121.0,
                 132.0, 144.0
             ]
         );
     }
 
     #[test]
-    fn the_same_fit_says_more_where_more_buildings_fit() {
-        let of = |buildings: f64| {
-            probabilities(&[good(|single| single[10] = libm::log(1.0 + buildings))])[0]
+    fn the_same_fit_says_more_where_more_facades_are_on_walls() {
+        let of = |on_wall: f64| {
+            let merits = good(|single| single[10] = libm::log(1.0 + on_wall));
+            probabilities(&[merits])[0]
         };
-        assert!(of(4.0) < of(8.0) && of(8.0) < of(16.0));
+        assert!(of(50.0) < of(150.0) && of(150.0) < of(400.0));
     }
 
     #[test]
@@ -184,7 +187,7 @@ mod tests {
 
     #[test]
     fn no_logit_is_too_large() {
-        let huge = good(|features| features[11] = 1e6);
+        let huge = good(|features| features[10] = 1e6);
         assert_eq!(probabilities(&[huge, good(|_| {})]), [1.0, 0.0]);
         let none = good(|features| features[12] = f64::NAN);
         assert_eq!(probabilities(&[none, huge]), [0.0, 1.0]);

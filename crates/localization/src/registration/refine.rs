@@ -92,9 +92,13 @@ impl Refined {
         own.map(|one| one.offset)
     }
 
-    /// Share of the facades that match a wall.
-    pub fn matched_share(&self) -> f64 {
-        self.matched as f64 / self.facades.max(1) as f64
+    /// The offset of each building of a chart of so many; zero where none of its walls is seen.
+    pub fn offsets(&self, buildings: usize) -> Vec<Vector2<f64>> {
+        let mut offsets = vec![Vector2::zeros(); buildings];
+        for building in &self.buildings {
+            offsets[building.building] = building.offset;
+        }
+        offsets
     }
 
     /// How close the facades that match a wall are to it, from 0 to 1.
@@ -323,7 +327,8 @@ mod tests {
             refine(&chart(mapped), &seen, Pose2::default(), &assumed).unwrap()
         };
         let (all, some) = (refined(&town()), refined(&town()[1..]));
-        assert!(all.matched_share() > 0.95 && some.matched_share() < 0.9);
+        let share = |of: &Refined| of.matched as f64 / of.facades as f64;
+        assert!(share(&all) > 0.95 && share(&some) < 0.9);
         let change = all.closeness_of_matched() - some.closeness_of_matched();
         assert!(change.abs() < 0.02, "{change}");
         // 0.2 / 0.3² times 1.5² / 6 nats at most.

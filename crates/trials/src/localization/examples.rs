@@ -25,6 +25,8 @@ pub struct Example {
     pub error_m: Option<f64>,
     /// Difference from the true heading, radians.
     pub error_rad: Option<f64>,
+    /// Number of buildings on whose walls facades are.
+    pub buildings: usize,
     /// What its probability is computed from.
     pub features: Vec<f64>,
     /// The probability.
@@ -69,6 +71,7 @@ fn example(number: usize, case: &Case<'_>, shown: &Shown<'_>, one: &Located) -> 
         start: [start.x, start.y, start.yaw],
         error_m: errors.map(|errors| errors.metres),
         error_rad: errors.map(|errors| errors.radians),
+        buildings: one.candidate.refined.buildings.len(),
         features: one.candidate.features.to_vec(),
         probability: one.candidate.probability,
     }
