@@ -21,6 +21,9 @@ from candidates import RIGHT_M, drives, error, is_same, places
 
 #: Strength of the penalty on large weights.
 RIDGE = 1e-4
+#: An attempt beside the map counts so much. Half of all attempts are there, so that what rejects
+#: them is learnt; of robots that get a map, few are.
+BESIDE = 0.2
 #: As in registration/hypothesis.rs: a pose that becomes less probable is confirmed anew,
 DOUBTFUL = 0.9
 #: least information along any direction, distance of places where few buildings are seen, and the
@@ -34,7 +37,8 @@ INFORMATION = 11
 class Attempt:
     """The candidates after some metres of a drive."""
 
-    def __init__(self, ones):
+    def __init__(self, ones, is_beside):
+        self.share = BESIDE if is_beside else 1.0
         self.metres = ones[0]["metres"]
         self.features = numpy.array([one["features"] for one in ones])
         self.buildings = [one["buildings"] for one in ones]
@@ -65,12 +69,14 @@ def fit(attempts):
     """Newton's method on the penalized likelihood: that one of the right candidates is chosen, or
     none of them where none is right."""
     features, is_there, is_right = arrays(attempts)
+    shares = numpy.array([one.share for one in attempts])
+    shares /= shares.sum()
     weights = numpy.zeros(features.shape[2])
     likelihood = -math.inf
     step = numpy.zeros_like(weights)
     for _ in range(100):
-        every = Choice(features, is_there, weights + step)
-        right = Choice(features, is_right, weights + step)
+        every = Choice(features, is_there, weights + step, shares)
+        right = Choice(features, is_right, weights + step, shares)
         reached = right.log_odds - every.log_odds - 0.5 * RIDGE * ((weights + step) ** 2).sum()
         if reached < likelihood:
             # The likelihood is not concave, and the step was too long.
@@ -107,19 +113,19 @@ def arrays(attempts):
 
 class Choice:
     """What is chosen among some of the candidates: mean and covariance of its features, and the
-    logarithm of their odds together, averaged over attempts."""
+    logarithm of their odds together, over attempts that have their shares."""
 
-    def __init__(self, features, among, weights):
+    def __init__(self, features, among, weights, shares):
         logits = numpy.where(among, features @ weights, -numpy.inf)
         most = logits.max(axis=1, keepdims=True)
         odds = numpy.exp(logits - most)
-        self.log_odds = (most[:, 0] + numpy.log(odds.sum(axis=1))).mean()
-        shares = odds / odds.sum(axis=1, keepdims=True)
-        means = numpy.einsum("ij,ijk->ik", shares, features)
-        weighted = features * shares[:, :, None]
+        self.log_odds = shares @ (most[:, 0] + numpy.log(odds.sum(axis=1)))
+        chosen = odds / odds.sum(axis=1, keepdims=True)
+        means = numpy.einsum("ij,ijk->ik", chosen, features)
+        weighted = features * (chosen * shares[:, None])[:, :, None]
         squares = numpy.tensordot(weighted, features, ([0, 1], [0, 1]))
-        self.mean = means.mean(axis=0)
-        self.covariance = (squares - means.T @ means) / len(features)
+        self.mean = shares @ means
+        self.covariance = squares - (means * shares[:, None]).T @ means
 
 
 def judged_by(attempt, weights):
@@ -178,9 +184,17 @@ RULES = {
 
 def main():
     read = drives(sys.argv[1:])
-    found = {key: [Attempt(ones) for ones in attempts] for key, attempts in read.items()}
+    found = {
+        key: [Attempt(ones, key[2] == "off") for ones in attempts] for key, attempts in read.items()
+    }
     judged = judge(found)
-    print_reliability([found for ones in judged.values() for _, found in ones])
+    print_reliability(
+        [
+            (ones[0], attempt.share)
+            for key, attempts in found.items()
+            for attempt, (_, ones) in zip(attempts, judged[key])
+        ]
+    )
     for name, rule in RULES.items():
         print(name)
         table = collections.defaultdict(list)
@@ -213,13 +227,13 @@ def judge(found):
 
 def print_reliability(attempts):
     print("probability of the best place: attempts, share that is right")
-    best = [found[0] for found in attempts]
     limits = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95, 0.98, 0.99, 0.995, 0.998, 1.0]
     for low, high in zip(limits, limits[1:]):
-        ones = [one for one in best if low <= one.probability < high]
-        if ones:
-            right = sum(one.error < RIGHT_M for one in ones) / len(ones)
-            mean = sum(one.probability for one in ones) / len(ones)
+        ones = [(place, share) for place, share in attempts if low <= place.probability < high]
+        every = sum(share for _, share in ones)
+        if every:
+            right = sum(share for place, share in ones if place.error < RIGHT_M) / every
+            mean = sum(share * place.probability for place, share in ones) / every
             print(f"{low:5}-{high:<5} {len(ones):6} {right:.3f} for {mean:.3f}")
 
 

@@ -22,18 +22,18 @@ pub type Features = [f64; FEATURES];
 /// What each feature says.
 #[rustfmt::skip]
 const WEIGHTS: Features = [
-    -2.596, -0.014, -0.701, -1.556, -1.191, 1.579, 0.543, -1.206, -0.416, -1.024, 2.638, -0.968,
-    -0.621, -1.276,
+    -2.833, -0.019, -0.558, -1.098, -0.701, 1.073, 0.571, -1.053, -0.306, -0.899, 2.312, -0.938,
+    -0.404, -1.045,
     // Products of closeness, its square first,
-    0.131, 0.354, 0.311, 0.845, 0.257,
+    0.046, 0.212, 0.435, 0.862, 0.350,
     // of facades on walls over those near walls,
-    0.451, -1.318, 0.439, 0.466,
+    0.431, -1.257, 0.368, 0.371,
     // and over those around walls,
-    0.523, -0.122, 0.219,
+    0.491, -0.101, 0.200,
     // of the least information,
-    0.294, -1.522,
+    0.252, -1.489,
     // and of how far buildings are off.
-    -1.179,
+    -1.120,
 ];
 
 /// What speaks for a candidate.
