@@ -1,6 +1,7 @@
 """Maps that scripts of this folder draw, as OpenStreetMap files."""
 
 import math
+import sys
 
 METRES_PER_DEGREE = 111_320.0
 LATITUDE, LONGITUDE = 48.5, 11.5
@@ -32,3 +33,11 @@ class Map:
             said = "".join(f'<tag k="{k}" v="{v}"/>' for k, v in tags.items())
             lines.append(f'<way id="{number}" version="1">{refs}{said}</way>')
         return "\n".join(lines + ["</osm>", ""])
+
+
+def main(draw, usage):
+    """Writes what `draw` makes of a seed: SCRIPT SEED OUT.osm."""
+    if len(sys.argv) != 3:
+        sys.exit(usage)
+    with open(sys.argv[2], "w") as file:
+        file.write(draw(int(sys.argv[1])))

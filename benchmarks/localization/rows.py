@@ -7,9 +7,8 @@ one place fits the map of another. `openbench world generate` makes a world of i
 
 import math
 import random
-import sys
 
-from drawn_map import Map
+from drawn_map import Map, main
 
 LENGTH_M, ROADS = 160.0, 3
 
@@ -46,11 +45,4 @@ def rows(seed):
     return drawn.text()
 
 
-def main():
-    if len(sys.argv) != 3:
-        sys.exit(__doc__)
-    with open(sys.argv[2], "w") as file:
-        file.write(rows(int(sys.argv[1])))
-
-
-main()
+main(rows, __doc__)

@@ -7,9 +7,8 @@ knows. `openbench world generate` makes a world of it.
 
 import math
 import random
-import sys
 
-from drawn_map import Map
+from drawn_map import Map, main
 
 #: High enough for the LiDAR to take them for facades, metres.
 LOWEST_M, HIGHEST_M = 2.6, 4.0
@@ -66,11 +65,4 @@ def ring(drawn, length, half, beyond, tags):
     drawn.way(nodes + nodes[:1], tags)
 
 
-def main():
-    if len(sys.argv) != 3:
-        sys.exit(__doc__)
-    with open(sys.argv[2], "w") as file:
-        file.write(walled(int(sys.argv[1])))
-
-
-main()
+main(walled, __doc__)

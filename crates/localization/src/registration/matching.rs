@@ -11,7 +11,7 @@ use super::chart::{Chart, Wall};
 use super::columns::Facade;
 
 /// Facades match walls that face the same way up to this, radians,
-const FACING_RAD: f64 = 0.45;
+pub(super) const FACING_RAD: f64 = 0.45;
 /// and reach beyond their ends by no more than this, metres, or by half the gate at first.
 const BEYOND_END_M: f64 = 0.7;
 /// Walls within this distance of the robot are matched, metres.

@@ -9,13 +9,12 @@ use openbench_geometry::grid::GridGeometry;
 use openbench_geometry::{Bounds, Polygon, Segment};
 
 use super::chart::{Chart, Wall};
+use super::matching::FACING_RAD;
 use super::refine::Refined;
 use super::submap::Submap;
 
-/// A facade this far from a wall is on it, metres,
+/// A facade this far from a wall is on it, metres, if it faces the same way.
 const ON_WALL_M: f64 = 1.0;
-/// if it faces the same way up to this, radians.
-const FACING_RAD: f64 = 0.45;
 /// A facade on no wall is near one at this distance, metres,
 const NEAR_M: f64 = 3.0;
 /// and around it at this one.
@@ -179,9 +178,14 @@ mod tests {
     use super::super::town::{block, chart, stretch_at, town};
     use super::*;
 
-    /// Of what is seen among houses from the middle of them, with a map, at a pose.
+    /// What is seen among houses from the middle of them.
+    fn seen(houses: &[Polygon]) -> Submap {
+        Submap::of(&[stretch_at(houses, Pose2::default())])
+    }
+
+    /// Of that, with a map, at a pose.
     fn nearness(houses: &[Polygon], mapped: &[Polygon], at: Pose2) -> Nearness {
-        let seen = Submap::of(&[stretch_at(houses, Pose2::default())]);
+        let seen = seen(houses);
         let chart = chart(mapped);
         let refined = refine(&chart, &seen, at, &Assumptions::default()).unwrap();
         let found = Nearness::of(&chart, &seen, &refined);
@@ -203,9 +207,9 @@ mod tests {
     #[test]
     fn what_the_map_lacks_far_from_its_walls_changes_nothing() {
         let mapped = town();
-        // Ends 7 m behind the houses of the south.
-        let behind = block(0.0, -32.0, 90.0, 6.0);
-        let walled = [mapped.clone(), vec![behind.clone()]].concat();
+        // Its north side is 7 m behind the houses of the south.
+        let walled = [mapped.clone(), vec![block(0.0, -32.0, 90.0, 6.0)]].concat();
+        assert!(seen(&walled).facades.len() > seen(&mapped).facades.len());
         let (with, without) = (
             nearness(&walled, &mapped, Pose2::default()),
             nearness(&mapped, &mapped, Pose2::default()),
