@@ -37,12 +37,33 @@ def is_same(a, b):
     return math.hypot(a[0] - b[0], a[1] - b[1]) < SAME_M and abs(turn) < SAME_RAD
 
 
-def places(starts, probabilities):
+def carried(pose, before, now):
+    """Where a robot is on the map that was at `pose` there, by its poses in `odom`."""
+    forward, left = turned(now[0] - before[0], now[1] - before[1], -before[2])
+    x, y = turned(forward, left, pose[2])
+    return pose[0] + x, pose[1] + y, pose[2] + now[2] - before[2]
+
+
+def turned(x, y, angle):
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return cosine * x - sine * y, sine * x + cosine * y
+
+
+def places(poses, probabilities):
     """Poses of different places, the most probable one first, as `distinct` of
     registration/hypothesis.rs: the index of the best pose of each place, and the sum of the
     probabilities there."""
     sums = {}
-    for i in sorted(range(len(starts)), key=lambda i: -probabilities[i]):
-        known = next((k for k in sums if is_same(starts[k], starts[i])), i)
+    for i in sorted(range(len(poses)), key=lambda i: -probabilities[i]):
+        known = next((k for k in sums if is_same(poses[k], poses[i])), i)
         sums[known] = sums.get(known, 0.0) + probabilities[i]
     return sorted(sums.items(), key=lambda place: -place[1])
+
+
+def binned(judged, limits, probability):
+    """Those of the judged with a probability from one limit up to the next; rounding may give more
+    than 1."""
+    for low, high in zip(limits, [*limits[1:], math.inf]):
+        ones = [one for one in judged if low <= probability(one) < high]
+        if ones:
+            yield low, ones

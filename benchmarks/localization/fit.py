@@ -17,12 +17,13 @@ import sys
 
 import numpy
 
-from candidates import RIGHT_M, drives, error, is_same, places
+from candidates import RIGHT_M, binned, carried, drives, error, is_same, places
 
 #: Strength of the penalty on large weights.
 RIDGE = 1e-4
 #: An attempt beside the map counts so much. Half of all attempts are there, so that what rejects
-#: them is learnt; of robots that get a map, few are.
+#: them is learnt; of robots that get a map, few are. As in registration/probability.rs, the odds of
+#: none of the candidates are higher by as much where nothing is known of the start.
 BESIDE = 0.2
 #: As in registration/hypothesis.rs: a pose that becomes less probable is confirmed anew,
 DOUBTFUL = 0.9
@@ -30,8 +31,6 @@ DOUBTFUL = 0.9
 #: fewest that are told by several places.
 LEAST_INFORMATION = 0.15
 FEW_BUILDINGS, FEW_APART_M, LEAST_BUILDINGS = 4, 15.0, 2
-#: Index of a feature: log(0.1 + least information).
-INFORMATION = 11
 
 
 class Attempt:
@@ -39,10 +38,13 @@ class Attempt:
 
     def __init__(self, ones, is_beside):
         self.share = BESIDE if is_beside else 1.0
+        self.odds_of_none = 1.0 / self.share
         self.metres = ones[0]["metres"]
         self.features = numpy.array([one["features"] for one in ones])
         self.buildings = [one["buildings"] for one in ones]
-        self.starts = [one["start"] for one in ones]
+        self.weakest = [one["weakest"] for one in ones]
+        self.poses = [one["pose"] for one in ones]
+        self.odom = ones[0]["odom"]
         self.errors = numpy.array([error(one) for one in ones])
         #: Several poses of one place may be right.
         self.is_right = self.errors < RIGHT_M
@@ -52,15 +54,15 @@ class Place:
     """The best pose of a place, with the probability of all poses there."""
 
     def __init__(self, attempt, index, probability):
-        self.least_information = math.exp(attempt.features[index][INFORMATION]) - 0.1
+        self.least_information = attempt.weakest[index]
         self.buildings = attempt.buildings[index]
-        self.start = attempt.starts[index]
+        self.pose, self.odom = attempt.poses[index], attempt.odom
         self.error = attempt.errors[index]
         self.probability = probability
 
 
-def probabilities(features, weights):
-    logits = numpy.append(features @ weights, 0.0)
+def probabilities(features, weights, odds_of_none):
+    logits = numpy.append(features @ weights, math.log(odds_of_none))
     values = numpy.exp(logits - logits.max())
     return (values / values.sum())[:-1]
 
@@ -130,7 +132,8 @@ class Choice:
 
 def judged_by(attempt, weights):
     """The places of an attempt, the most probable one first."""
-    found = places(attempt.starts, probabilities(attempt.features, weights))
+    chances = probabilities(attempt.features, weights, attempt.odds_of_none)
+    found = places(attempt.poses, chances)
     return [Place(attempt, i, probability) for i, probability in found]
 
 
@@ -141,13 +144,18 @@ def accepted(attempts, rule):
     for metres, found in attempts:
         following = []
         for place in found:
-            known = [past for other, past in bank if is_same(place.start, other)]
-            past = known[0] if known and place.probability >= DOUBTFUL else []
-            following.append((place.start, past + [(metres, place.probability)]))
+            known = (past for other, past in bank if continues(place, other))
+            past = next(known, []) if place.probability >= DOUBTFUL else []
+            following.append((place, past + [(metres, place.probability)]))
         bank = following
         if bank and is_certain(bank[0][1], found[0], rule):
             return metres, found[0].error
     return None
+
+
+def continues(place, earlier):
+    """Whether the robot, if it was at the earlier place, is at this one now."""
+    return is_same(place.pose, carried(earlier.pose, earlier.odom, place.odom))
 
 
 def is_certain(confirmations, place, rule):
@@ -227,14 +235,12 @@ def judge(found):
 
 def print_reliability(attempts):
     print("probability of the best place: attempts, share that is right")
-    limits = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95, 0.98, 0.99, 0.995, 0.998, 1.0]
-    for low, high in zip(limits, limits[1:]):
-        ones = [(place, share) for place, share in attempts if low <= place.probability < high]
+    limits = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95, 0.98, 0.99, 0.995, 0.998]
+    for low, ones in binned(attempts, limits, lambda one: one[0].probability):
         every = sum(share for _, share in ones)
-        if every:
-            right = sum(share for place, share in ones if place.error < RIGHT_M) / every
-            mean = sum(share * place.probability for place, share in ones) / every
-            print(f"{low:5}-{high:<5} {len(ones):6} {right:.3f} for {mean:.3f}")
+        right = sum(share for place, share in ones if place.error < RIGHT_M) / every
+        mean = sum(share * place.probability for place, share in ones) / every
+        print(f"from {low:<5} {len(ones):6} {right:.3f} for {mean:.3f}")
 
 
 main()

@@ -12,9 +12,9 @@ is the share of these that is wrong. Prints both as numbers.
 import math
 import sys
 
-from candidates import RIGHT_M, drives, error, places
+from candidates import RIGHT_M, binned, drives, error, places
 
-LIMITS = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.98, 1.0]
+LIMITS = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.98]
 COVERAGES = [0.2, 0.4, 0.6, 0.8, 0.9, 1.0]
 #: Ends of the logarithmic axis of wrong poses.
 MOST_RISK, LEAST_RISK = 1.0, 1e-4
@@ -29,7 +29,7 @@ def best_places(paths):
 
 
 def best(ones):
-    found = places([one["start"] for one in ones], [one["probability"] for one in ones])
+    found = places([one["pose"] for one in ones], [one["probability"] for one in ones])
     index, probability = found[0]
     return probability, error(ones[index]) < RIGHT_M
 
@@ -44,12 +44,10 @@ def wilson(right, count):
 
 def reliability(judged):
     """Mean probability, share that is right, its interval, and number, for each bin."""
-    for low, high in zip(LIMITS, LIMITS[1:]):
-        ones = [one for one in judged if low <= one[0] < high or (high == 1.0 and one[0] == 1.0)]
-        if ones:
-            right = sum(one[1] for one in ones)
-            mean = sum(one[0] for one in ones) / len(ones)
-            yield mean, right / len(ones), wilson(right, len(ones)), len(ones)
+    for _, ones in binned(judged, LIMITS, lambda one: one[0]):
+        right = sum(one[1] for one in ones)
+        mean = sum(one[0] for one in ones) / len(ones)
+        yield mean, right / len(ones), wilson(right, len(ones)), len(ones)
 
 
 def risks(judged):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The results of test.sh as tables: python3 tables.py FOLDER
+"""The results of measure.sh as tables: python3 tables.py FOLDER
 
-Prints Markdown: a line for each row of test.sh and each of its peers. Then come, for registration
+Prints Markdown: a line for each row of measure.sh and each of its peers. Then come, for registration
 alone, a line for each world, and times and errors along the way.
 """
 
@@ -60,7 +60,7 @@ def main():
     for row, one in reports.items():
         for world, apart in one["worlds"].items():
             print(line([row, world, *scores(apart)]))
-    names = ["row", "rejected", "a fix: ms, median / 99 %", "to find: ms, median / 99 %"]
+    names = ["row", "rejected", "while located: ms, median / 99 %", "to find: ms, median / 99 %"]
     print("\n" + header([*names, "along: located", "within 1 m", "at 95 %"]))
     for row, one in reports.items():
         cells = [row, percent(one["rejected_off_map"], 1)]

@@ -139,6 +139,12 @@ impl Pose2 {
         Self::new(x, y, wrap_angle(self.yaw - frame.yaw))
     }
 
+    /// Whether another pose is nearer than so many metres, and turned by less than so many radians.
+    pub fn is_near(self, other: Self, metres: f64, radians: f64) -> bool {
+        self.point().distance(other.point()) < metres
+            && wrap_angle(self.yaw - other.yaw).abs() < radians
+    }
+
     /// This pose as a transform in three dimensions, at height `z` in metres.
     pub fn to_pose3(self, z: f64) -> Pose3 {
         Pose3::new(

@@ -54,12 +54,12 @@ pub trait FixSource {
         None
     }
 
-    /// Whether it finds a robot by fixes that do not depend on where it is thought to be.
+    /// Whether it finds a robot by fixes that do not depend on where it is estimated to be.
     fn finds(&self) -> bool {
         false
     }
 
-    /// Whether the robot turned out not to be where it was thought to be, and was not found since.
+    /// Whether the robot turned out not to be where it was estimated, and was not found since.
     fn is_lost(&self) -> bool {
         false
     }
@@ -87,9 +87,13 @@ pub trait FixSource {
         None
     }
 
-    /// How far buildings are from where the map shows them, if the robot is where a fix or the
-    /// presumption says.
+    /// How far buildings are from where the map shows them, if the robot is where fixes say.
     fn building_offsets(&self) -> &[BuildingOffset] {
+        &[]
+    }
+
+    /// The same if the robot is where the presumption says.
+    fn presumed_offsets(&self) -> &[BuildingOffset] {
         &[]
     }
 

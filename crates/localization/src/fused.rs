@@ -402,11 +402,15 @@ impl Localizer for Fused {
     }
 
     fn building_offsets(&self) -> &[BuildingOffset] {
-        if !self.is_located && !self.is_presumed {
-            return &[];
-        }
-        let mut all = self.sources.iter().map(|source| source.building_offsets());
-        all.find(|offsets| !offsets.is_empty()).unwrap_or_default()
+        let all = self.sources.iter().map(|source| match self.is_presumed {
+            true => source.presumed_offsets(),
+            // Not those of a presumption: a start that is known well is not given up for one.
+            false if self.is_located => source.building_offsets(),
+            false => &[],
+        });
+        all.into_iter()
+            .find(|offsets| !offsets.is_empty())
+            .unwrap_or_default()
     }
 
     fn pending(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! Drives with degraded sensors. A localizer may then have large errors, but it must report them.
 
 use std::fmt;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 use nalgebra::{Rotation3, UnitVector3, Vector3};
@@ -175,7 +176,7 @@ pub fn trial(
             };
             errors.push(PoseError::new(simulator.time(), truth, estimate));
         }
-        Ok(())
+        Ok(ControlFlow::Continue(()))
     })?;
     let good = errors.iter().filter(|error| error.health == Health::Good);
     Ok(DegradedResult {

@@ -1,6 +1,7 @@
 //! Drives through a world that produce sensor logs, for odometry. The driver uses the true pose and
 //! is not an agent.
 
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 use openbench_core::frames::wrap_angle;
@@ -58,9 +59,14 @@ pub struct Driven {
     pub collisions: usize,
 }
 
-/// Drives a tour. `watch` is called after each step of 50 ms with the commanded velocity.
+/// What is done after a step: the drive goes on or ends, or fails.
+pub type Watched = Result<ControlFlow<()>, BenchError>;
+
+/// Drives a tour. `watch` is called after each step of 50 ms with the commanded velocity, and may
+/// end the drive.
 ///
 /// ```
+/// use std::ops::ControlFlow;
 /// use std::time::Duration;
 ///
 /// use openbench_bench::{Prepared, builtin_suite};
@@ -77,7 +83,7 @@ pub struct Driven {
 /// let mut scans = 0;
 /// let driven = drive(&prepared, &tour, &mut |simulator, _| {
 ///     scans += usize::from(simulator.observation().scan.is_some());
-///     Ok(())
+///     Ok(ControlFlow::Continue(()))
 /// })?;
 /// // Two seconds of standstill, then at most 0.5 m/s; ten scans a second.
 /// assert!(driven.metres < 1.05 && (38..=41).contains(&scans));
@@ -89,7 +95,7 @@ pub struct Driven {
 pub fn drive(
     prepared: &Prepared,
     tour: &Tour,
-    watch: &mut dyn FnMut(&Simulator, Velocity) -> Result<(), BenchError>,
+    watch: &mut dyn FnMut(&Simulator, Velocity) -> Watched,
 ) -> Result<Driven, BenchError> {
     let mut simulator = prepared.simulator(tour.seed)?;
     let mut driver = Driver::new(prepared, tour)?;
@@ -103,7 +109,9 @@ pub fn drive(
         };
         simulator.step(velocity);
         metres += before.distance(pose(&simulator).point());
-        watch(&simulator, velocity)?;
+        if watch(&simulator, velocity)?.is_break() {
+            break;
+        }
     }
     Ok(Driven {
         metres,

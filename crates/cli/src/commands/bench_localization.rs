@@ -15,6 +15,7 @@ use openbench_trials::localization::drift::drifting;
 use openbench_trials::localization::drives::{DRIVE_M, Drive, Recording, record};
 use openbench_trials::localization::examples::examples;
 use openbench_trials::localization::labels::Labels;
+use openbench_trials::localization::mixed_seed;
 use openbench_trials::localization::peers::{PeerKind, peer_trials};
 use openbench_trials::localization::report::Report;
 use openbench_trials::localization::trial::{Without, trials};
@@ -121,7 +122,7 @@ pub fn run(args: &BenchLocalizationArgs) -> anyhow::Result<Outcome> {
         worlds,
         peers: of_peers
             .into_iter()
-            .map(|(name, moments)| (name, Report::of(&moments, is_on_map)))
+            .map(|(name, moments)| (name, Report::of_peer(&moments)))
             .collect(),
     };
     if args.json {
@@ -141,10 +142,12 @@ fn peers(args: &BenchLocalizationArgs) -> impl Iterator<Item = PeerKind> {
 }
 
 /// The seed of starts and map errors in a world: by its name, so that worlds do not share their
-/// draws, and each has its own whichever others are tried.
+/// draws, and each has its own whichever others are tried. A world in a folder is named by that
+/// folder, wherever it lies.
 fn seed_of(name: &str, seed: u64) -> u64 {
-    let mix = |mixed: u64, byte: u8| mixed.wrapping_mul(31).wrapping_add(u64::from(byte));
-    name.bytes().fold(seed, mix)
+    let name = Path::new(name).file_name().unwrap_or(name.as_ref());
+    let bytes = name.as_encoded_bytes().iter();
+    bytes.fold(seed, |mixed, byte| mixed_seed(mixed, u64::from(*byte)))
 }
 
 /// The level of a condition with a name.
@@ -223,7 +226,7 @@ fn drives(
         .map(|folder| folder.join(kept(name, &what)));
     if let Some(path) = kept.as_deref().filter(|path| path.exists()) {
         let read = || -> anyhow::Result<Vec<Drive>> {
-            whole(serde_json::from_slice(&std::fs::read(path)?)?)
+            with_legs(serde_json::from_slice(&std::fs::read(path)?)?)
         };
         let mut drives = read().with_context(|| {
             format!(
@@ -247,9 +250,9 @@ fn drives(
 }
 
 /// Drives that were read, if each has a leg.
-fn whole(drives: Vec<Drive>) -> anyhow::Result<Vec<Drive>> {
-    let is_whole = |drive: &Drive| !drive.legs.is_empty();
-    anyhow::ensure!(drives.iter().all(is_whole), "a drive has no legs");
+fn with_legs(drives: Vec<Drive>) -> anyhow::Result<Vec<Drive>> {
+    let has_legs = |drive: &Drive| !drive.legs.is_empty();
+    anyhow::ensure!(drives.iter().all(has_legs), "a drive has no legs");
     Ok(drives)
 }
 
@@ -258,7 +261,7 @@ fn with_drift(drives: Vec<Drive>, share: Option<f64>, seed: u64) -> Vec<Drive> {
     let Some(share) = share else { return drives };
     let numbered = (0_u64..).zip(&drives);
     numbered
-        .map(|(number, drive)| drifting(drive, share, seed.wrapping_add(number)))
+        .map(|(number, drive)| drifting(drive, share, mixed_seed(seed, number)))
         .collect()
 }
 
@@ -301,7 +304,7 @@ fn table(found: &Found) -> String {
     text.push_str(
         "\nRates in percent. 1 m: within 1 m after 40 m. Wrong: accepted fixes off by more than 5 m.
 Inside 95: fixes inside their ellipsoid of 95 %. Wall: distance to the nearest wall right within
-0.5 m. ms: median computing time of a fix while localized.\n",
+0.5 m. ms: median computing time of an attempt while localized.\n",
     );
     let along = &found.all.along;
     if let (Some(median), Some(most)) = (along.p50_m, along.p95_m) {

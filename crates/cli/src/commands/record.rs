@@ -1,5 +1,6 @@
 //! `openbench record`: drives for the sake of their logs.
 
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 use openbench_bench::run::recorder::Recorder;
@@ -48,7 +49,8 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
     let bar = progress_bar(tour.time.as_secs() as usize, "driving");
     let driven = drive(&prepared, &tour, &mut |simulator, velocity| {
         bar.set_position(simulator.time().seconds() as u64);
-        Ok(recorder.step(simulator, velocity)?)
+        recorder.step(simulator, velocity)?;
+        Ok(ControlFlow::Continue(()))
     })?;
     recorder.finish()?;
     bar.finish_and_clear();

@@ -1,6 +1,5 @@
 //! Poses that could be the robot's, and how probable each of them is.
 
-use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::Bounds;
 
@@ -27,7 +26,7 @@ const SAME_M: f64 = 1.0;
 /// if their headings differ less than this, radians.
 const SAME_RAD: f64 = 0.1;
 /// Around all buildings of a chart, a robot sees some of them from so far, metres.
-const SEEN_FROM_M: f64 = 40.0;
+pub(super) const SEEN_FROM_M: f64 = 40.0;
 
 /// A pose that could be the robot's.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +37,7 @@ pub struct Candidate {
     pub nearness: Nearness,
     /// What it explains of the free ground.
     pub explained: Explained,
-    /// What the vote and the prior said about it, nats; the best one has the least.
+    /// What the vote and the prior said about it, nats.
     pub cost: f64,
     /// What the prior says about it once it is refined, nats.
     pub prior: f64,
@@ -90,15 +89,16 @@ pub fn candidates(chart: &Chart, submap: &Submap, prior: &Prior, assumed: &Assum
             probability: 0.0,
         });
     }
-    judge(&mut candidates, &evidence, prior.volume(area));
+    judge(&mut candidates, &evidence, prior, area);
     Found {
         candidates,
         landscape: Some(landscape),
     }
 }
 
-/// Gives candidates their probabilities, and puts the best one first. `volume` is the prior's.
-fn judge(candidates: &mut [Candidate], evidence: &Evidence, volume: f64) {
+/// Gives candidates their probabilities, and puts the best one first.
+fn judge(candidates: &mut [Candidate], evidence: &Evidence, prior: &Prior, area: Bounds) {
+    let volume = prior.volume(area);
     let costs = candidates.iter().map(|one| one.cost);
     let least = costs.fold(f64::INFINITY, f64::min);
     let misfits = candidates.iter().map(|one| one.refined.misfit);
@@ -116,7 +116,8 @@ fn judge(candidates: &mut [Candidate], evidence: &Evidence, volume: f64) {
         one.features = merits.features();
     }
     let features: Vec<Features> = candidates.iter().map(|one| one.features).collect();
-    for (one, probability) in candidates.iter_mut().zip(probabilities(&features)) {
+    let found = probabilities(&features, prior.is_bounded());
+    for (one, probability) in candidates.iter_mut().zip(found) {
         one.probability = probability;
     }
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability));
@@ -154,6 +155,11 @@ fn voted(
     (modes, landscape)
 }
 
+/// Whether an area is small enough to search it: two by two kilometres at most.
+pub(super) fn is_searchable(area: Bounds) -> bool {
+    !squares(area).is_empty()
+}
+
 /// An area in squares; none if it would be too many.
 fn squares(area: Bounds) -> Vec<Bounds> {
     let (width, height) = (area.high.x - area.low.x, area.high.y - area.low.y);
@@ -177,7 +183,7 @@ fn squares(area: Bounds) -> Vec<Bounds> {
 }
 
 fn is_same(a: Pose2, b: Pose2) -> bool {
-    a.point().distance(b.point()) < SAME_M && wrap_angle(a.yaw - b.yaw).abs() < SAME_RAD
+    a.is_near(b, SAME_M, SAME_RAD)
 }
 
 #[cfg(test)]

@@ -10,6 +10,8 @@ const PIECE_M: f64 = 0.5;
 const IN_FRONT_M: f64 = 0.25;
 /// Shorter walls are left out, metres.
 const SHORTEST_M: f64 = 0.3;
+/// An outline of more corners is left out: each of its walls is compared with all of them.
+const MOST_CORNERS: usize = 5000;
 
 /// A wall that can be seen from outside. Its building lies to its left.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,11 +56,13 @@ impl Chart {
             });
             for side in sides {
                 for part in seen_parts(map, side) {
-                    let segment = moved(part, centre);
+                    let segment = relative_segment(part, centre);
                     chart.walls.push(Wall { segment, building });
                 }
             }
-            chart.outlines.push(shifted(outline, centre));
+            chart
+                .outlines
+                .push(outline.moved(MapPoint::new(-centre.x, -centre.y)));
             chart.buildings.push(index);
         }
         chart
@@ -94,7 +98,9 @@ fn has_walls(building: &Building) -> bool {
             .trim_start()
             .starts_with(|c: char| ('1'..='9').contains(&c))
     });
-    !is_roof && !is_raised
+    let corners =
+        building.polygon.outer.len() + building.polygon.holes.iter().map(Vec::len).sum::<usize>();
+    !is_roof && !is_raised && corners <= MOST_CORNERS
 }
 
 /// The parts of a wall with no building in front of them.
@@ -126,7 +132,7 @@ fn seen_parts(map: &OsmMap, side: Segment) -> Vec<Segment> {
     parts
 }
 
-fn moved(segment: Segment, origin: MapPoint) -> Segment {
+fn relative_segment(segment: Segment, origin: MapPoint) -> Segment {
     Segment::new(
         relative(segment.start, origin),
         relative(segment.end, origin),
@@ -135,14 +141,6 @@ fn moved(segment: Segment, origin: MapPoint) -> Segment {
 
 fn relative(point: MapPoint, origin: MapPoint) -> MapPoint {
     MapPoint::new(point.x - origin.x, point.y - origin.y)
-}
-
-fn shifted(polygon: &Polygon, origin: MapPoint) -> Polygon {
-    let ring = |ring: &[MapPoint]| ring.iter().map(|point| relative(*point, origin)).collect();
-    Polygon {
-        outer: ring(&polygon.outer),
-        holes: polygon.holes.iter().map(|hole| ring(hole)).collect(),
-    }
 }
 
 #[cfg(test)]

@@ -55,7 +55,7 @@ struct Column {
     low: f32,
     /// and the highest that may be of a facade.
     high: f32,
-    /// Of the places from which it was seen.
+    /// Number of places from which it was seen.
     views: u8,
     last_view: u16,
     /// Sum of the directions towards the sensor.
@@ -129,7 +129,7 @@ pub(super) struct Sight {
     pub(super) scan: u16,
     /// Number of the place.
     pub(super) view: u16,
-    /// Where the sensor was.
+    /// Where the robot was when it began to see from this place.
     pub(super) from: MapPoint,
 }
 

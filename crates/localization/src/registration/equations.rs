@@ -24,8 +24,8 @@ impl Equations {
         }
     }
 
-    /// Leaves what was known before, at this way from where that was.
-    pub(super) fn forget(&mut self, departure: &DVector<f64>) {
+    /// Drops all evidence. What is left is the prior, at a departure from its mean.
+    pub(super) fn reset_to_prior(&mut self, departure: &DVector<f64>) {
         self.information.copy_from(&self.prior);
         self.gradient = &self.prior * departure;
     }
@@ -116,7 +116,7 @@ mod tests {
         let place = equations.extend(1.0, Vector2::zeros());
         equations.add(&wall(), place);
         let departure = DVector::from_vec(vec![0.5, 0.0, 0.0, 0.0, -0.25]);
-        equations.forget(&departure);
+        equations.reset_to_prior(&departure);
         assert!((step(&equations) + departure).norm() < 1e-12);
     }
 

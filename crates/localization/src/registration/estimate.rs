@@ -207,7 +207,7 @@ impl Estimate {
                 ..
             } = self.assumed;
             matching.linearise(&seen.facades, pose, last_gate_m, facade);
-            equations.forget(&after.departure(self));
+            equations.reset_to_prior(&after.departure(self));
             for one in most_seen(&matching.buildings) {
                 let building = chart.buildings[one.building];
                 let place = after.place(building).unwrap_or_else(|| {

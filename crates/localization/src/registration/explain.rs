@@ -1,13 +1,10 @@
 //! How well a pose explains the ground that was seen to be free: how far it reaches towards walls,
 //! and through them.
 
-use std::f64::consts::TAU;
-
 use nalgebra::Vector2;
 
 use super::chart::{Chart, Wall};
 use super::refine::Refined;
-use super::stretch::DIRECTIONS;
 use super::submap::Submap;
 
 /// Rays are followed so far, metres.
@@ -25,9 +22,9 @@ const AT_WALL_M: f64 = 1.0;
 /// What a pose explains.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Explained {
-    /// Share of the rays towards walls along which free ground ends at the wall,
+    /// Share of the rays towards walls along which free ground ends at the wall.
     pub met: f64,
-    /// and of those along which it goes on behind it.
+    /// Share of the rays towards walls along which free ground goes on behind the wall.
     pub through: f64,
     /// Share of all rays that lead towards a wall near by.
     pub towards: f64,
@@ -49,14 +46,13 @@ pub fn explain(chart: &Chart, submap: &Submap, refined: &Refined) -> Explained {
     for panorama in &submap.panoramas {
         let from = refined.pose.transform(panorama.from.x, panorama.from.y);
         let from = Vector2::new(from.x, from.y);
-        for (i, free) in panorama.free.iter().enumerate().step_by(STRIDE) {
-            let bearing = refined.pose.yaw + (i as f64 + 0.5) * TAU / DIRECTIONS as f64;
-            let (sine, cosine) = libm::sincos(bearing);
+        for (bearing, free) in panorama.rays().step_by(STRIDE) {
+            let (sine, cosine) = libm::sincos(refined.pose.yaw + bearing);
             let ray = Vector2::new(cosine, sine);
             rays += 1;
             if let Some(range) = first_wall(&barriers, from, ray) {
                 towards += 1;
-                let behind = f64::from(*free) - range;
+                let behind = free - range;
                 met += usize::from(behind.abs() < AT_WALL_M);
                 through += usize::from(behind > BEHIND_M);
             }

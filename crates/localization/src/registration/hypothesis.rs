@@ -1,7 +1,6 @@
 //! Poses that may be the robot's, remembered along its way, and when one of them is accepted.
 
 use openbench_core::Pose2;
-use openbench_core::frames::wrap_angle;
 
 use super::candidates::Candidate;
 use super::estimate::Measured;
@@ -128,7 +127,7 @@ impl Hypothesis {
         }
     }
 
-    /// Whether it is believed.
+    /// Whether it is accepted.
     pub fn is_accepted(&self, acceptance: Acceptance) -> bool {
         let is_sure = self.located.candidate.probability >= SURE;
         let is_known = self.located.candidate.refined.weakest() >= LEAST_INFORMATION;
@@ -176,7 +175,7 @@ impl Hypothesis {
 }
 
 fn is_same(a: Pose2, b: Pose2) -> bool {
-    a.point().distance(b.point()) < SAME_M && wrap_angle(a.yaw - b.yaw).abs() < SAME_RAD
+    a.is_near(b, SAME_M, SAME_RAD)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use openbench_core::{AcceptedPose, MapComparison, MapPoint, PlaceScores, Pose2, 
 use openbench_geometry::Bounds;
 use openbench_osm::OsmMap;
 
-use super::candidates::{Candidate, candidates};
+use super::candidates::{Candidate, SEEN_FROM_M, candidates, is_searchable};
 use super::chart::Chart;
 use super::estimate::{Estimate, Measured};
 use super::field::{CELL_M, MARGIN_CELLS};
@@ -24,17 +24,20 @@ pub const STRETCHES: usize = 8;
 const RESERVE_M: f64 = 50.0;
 /// A pose that is more probable than all others together is presumed until one is accepted.
 const PRESUMED: f64 = 0.5;
-/// A pose explains what is seen if facades are as close to walls, and rays through walls as few, as
-/// this difference says. In a street of parallel facades that holds along all of it, so that it
-/// says whether a known pose is still right, and not which one is.
-const EXPLAINED: f64 = 0.35;
+/// A pose explains what is seen if the closeness of facades that have a wall, less the share of
+/// rays through walls, is at least this,
+const EXPLAINED: f64 = 0.8;
+/// and so many facades are on a wall for each that is near one and on none, as a logarithm. In a
+/// street of parallel facades both hold along all of it: they say whether a known pose is still
+/// right, and not which one is. Facades far from all walls count in neither: maps lack walls.
+const ON_OVER_NEAR: f64 = 0.75;
 /// Where the map shows walls in fewer directions, what is seen neither confirms a pose nor
 /// contradicts it.
 const IN_SIGHT: f64 = 0.1;
 /// Once the robot is localized, so many poses in turn that explain too little, or are elsewhere,
 /// say that it is not.
 const DOUBTS: usize = 3;
-/// After that the robot is this far from where it was thought to be, metres;
+/// After that the robot is this far from where it was estimated, metres;
 const LOST_M: f64 = 75.0;
 /// twice as far each time it drives this far and is not found, metres,
 const WIDEN_M: f64 = 60.0;
@@ -61,8 +64,10 @@ pub struct Locator {
     map: Arc<OsmMap>,
     bounds: Option<Bounds>,
     prior: Option<Prior>,
-    /// Pose in `odom` that the prior is about.
+    /// Pose in `odom` that the prior is about,
     since: Option<Pose2>,
+    /// and the newest one.
+    here: Option<Pose2>,
     way: VecDeque<Stretch>,
     driven_m: f64,
     chart: Option<(Chart, Bounds)>,
@@ -82,14 +87,18 @@ pub struct Locator {
     doubts: usize,
     /// Where the robot turned out not to be, if it was not found since.
     lost: Option<Lost>,
+    /// How often it compared what was seen with the map.
+    comparisons: u64,
 }
 
 /// A robot that turned out to be elsewhere.
 #[derive(Debug, Clone, Copy)]
 struct Lost {
-    /// Where it was thought to be,
+    /// Where it was estimated,
     from: MapPoint,
-    /// and after how many metres.
+    /// how far from there it can be at first, metres,
+    radius_m: f64,
+    /// and after how many metres that was.
     driven_m: f64,
     /// How often the area was doubled in which it is searched.
     widenings: i32,
@@ -100,7 +109,7 @@ impl Lost {
     fn prior(&self) -> Option<Prior> {
         Prior::new(&Start::Area {
             centre: self.from,
-            radius_m: LOST_M * f64::powi(2.0, self.widenings),
+            radius_m: self.radius_m * f64::powi(2.0, self.widenings),
         })
     }
 }
@@ -117,6 +126,7 @@ impl Locator {
             map,
             prior: Prior::new(start),
             since: None,
+            here: None,
             way: VecDeque::new(),
             driven_m: 0.0,
             chart: None,
@@ -129,6 +139,7 @@ impl Locator {
             presumed: None,
             doubts: 0,
             lost: None,
+            comparisons: 0,
         }
     }
 
@@ -186,16 +197,21 @@ impl Locator {
         self.estimate.is_some()
     }
 
-    /// Whether the robot turned out not to be where it was thought to be, and was not found since.
+    /// Whether the robot turned out not to be where it was estimated, and was not found since.
     pub fn is_lost(&self) -> bool {
         self.lost.is_some()
+    }
+
+    /// How often it compared what was seen with the map.
+    pub fn comparisons(&self) -> u64 {
+        self.comparisons
     }
 
     /// Searches anew, after the robot may have been carried away.
     pub fn lose(&mut self) {
         match self.estimate.take().or(self.presumed.take()) {
             Some(known) => self.give_up(&known),
-            None => self.forget_way(),
+            None => self.give_up_start(),
         }
     }
 
@@ -223,7 +239,7 @@ impl Locator {
     /// Takes in a first look around, before a stretch has ended.
     pub fn look(&mut self, first: &Stretch) -> Option<Measured> {
         let submap = Submap::of(std::slice::from_ref(first));
-        self.consider(&submap, &submap, first.end, &Matrix3::zeros())
+        self.consider(&submap, &submap, first.end, &Matrix3::from(first.drift))
     }
 
     /// Takes in a stretch. If a pose is accepted, gives what the stretch says about the pose at its
@@ -249,12 +265,14 @@ impl Locator {
         here: Pose2,
         drift: &Matrix3<f64>,
     ) -> Option<Measured> {
+        self.here = Some(here);
         self.widen();
         let since = *self.since.get_or_insert(here);
         let prior = self.prior?.after(here.seen_from(since));
         self.reach(&prior)?;
         self.seen = submap.facades.iter().map(|facade| facade.at).collect();
         let (chart, _) = self.chart.as_ref()?;
+        self.comparisons += 1;
         let found = candidates(chart, submap, &prior, &self.judgement.assumed);
         let landscape = found.landscape.filter(|_| self.estimate.is_none());
         self.places = landscape.and_then(|landscape| landscape.scores(chart, &prior));
@@ -286,9 +304,13 @@ impl Locator {
         }
     }
 
-    /// Makes the chart reach as far as the robot may see.
+    /// Makes the chart reach as far as the robot may see; `None` if it may be in too large an area.
     fn reach(&mut self, prior: &Prior) -> Option<()> {
-        let area = prior.area(self.bounds?);
+        let bounds = self.bounds?;
+        let area = prior.area(bounds);
+        if !is_searchable(area.intersection(bounds.grown(SEEN_FROM_M))) {
+            return None;
+        }
         let is_inside = |reached: &Bounds| area.corners().iter().all(|at| reached.holds(*at, 0.0));
         if self
             .chart
@@ -339,13 +361,11 @@ impl Locator {
 
     /// Improves what is known by the newest stretch, if the best hypothesis agrees.
     fn follow(&mut self, known: Estimate, newest: &Submap) -> Option<Measured> {
-        let agreeing = self.bank.first().map(|best| &best.located).filter(|best| {
-            let Candidate {
-                refined, explained, ..
-            } = &best.candidate;
-            let is_explained = refined.closeness - explained.through >= EXPLAINED;
-            is_explained && known.agrees_with(&best.measured())
-        });
+        let agreeing = self
+            .bank
+            .first()
+            .map(|best| &best.located)
+            .filter(|best| explains(&best.candidate) && known.agrees_with(&best.measured()));
         let improved = agreeing.zip(self.chart.as_ref());
         let improved = improved.and_then(|(best, (chart, _))| {
             let improved = known.with(chart, newest, &best.candidate.refined)?;
@@ -385,17 +405,38 @@ impl Locator {
         self.estimate = Some(estimate);
     }
 
-    /// Begins anew near where the robot was thought to be.
+    /// Begins anew near where the robot was estimated.
     fn give_up(&mut self, known: &Estimate) {
+        self.search_around(known.pose.point(), LOST_M, known.here);
+    }
+
+    /// The same where nothing but the start is known. One that may be anywhere still may.
+    fn give_up_start(&mut self) {
+        let (Some(prior), Some(since), Some(here)) = (self.prior, self.since, self.here) else {
+            return self.forget_way();
+        };
+        let area = prior
+            .after(here.seen_from(since))
+            .area(Bounds::of_point(MapPoint::default()));
+        if prior.is_bounded() {
+            let radius = area.middle().distance(area.high) + LOST_M;
+            self.search_around(area.middle(), radius, here);
+        } else {
+            self.forget_way();
+        }
+    }
+
+    fn search_around(&mut self, from: MapPoint, radius_m: f64, here: Pose2) {
         self.forget_way();
         let lost = Lost {
-            from: known.pose.point(),
+            from,
+            radius_m,
             driven_m: self.driven_m,
             widenings: 0,
         };
         self.prior = lost.prior();
         self.lost = Some(lost);
-        self.since = Some(known.here);
+        self.since = Some(here);
     }
 
     /// If the robot was carried, odometry does not know where the stretches before are.
@@ -406,6 +447,13 @@ impl Locator {
         self.bank.clear();
         self.way.clear();
     }
+}
+
+/// Whether what is seen agrees with a pose, wherever that is along parallel facades.
+fn explains(candidate: &Candidate) -> bool {
+    let closeness = candidate.refined.closeness_of_matched();
+    closeness - candidate.explained.through >= EXPLAINED
+        && candidate.nearness.on_over_near() >= ON_OVER_NEAR
 }
 
 #[cfg(test)]
@@ -566,6 +614,15 @@ mod tests {
         (locator, there)
     }
 
+    /// The same way, on which nothing is seen that tells where it is.
+    fn blind(stretch: &Stretch) -> Stretch {
+        Stretch {
+            facades: Vec::new(),
+            panoramas: Vec::new(),
+            ..stretch.clone()
+        }
+    }
+
     /// After how many stretches it notices.
     fn notices(locator: &mut Locator, there: Vec<Stretch>) -> Option<usize> {
         let mut noticed = None;
@@ -601,12 +658,6 @@ mod tests {
     fn a_robot_that_is_not_found_is_searched_in_a_larger_area() {
         let (mut locator, there) = carried_away();
         locator.lose();
-        // It sees nothing that tells where it is.
-        let blind = |stretch: &Stretch| Stretch {
-            facades: Vec::new(),
-            panoramas: Vec::new(),
-            ..stretch.clone()
-        };
         let radius = |locator: &Locator| match locator.prior.unwrap().start() {
             Start::Area { radius_m, .. } => *radius_m,
             other => panic!("{other:?}"),
@@ -621,6 +672,62 @@ mod tests {
             .collect();
         assert!(radii.contains(&(2.0 * LOST_M)));
         assert_eq!(radii.last(), Some(&(4.0 * LOST_M)));
+    }
+
+    #[test]
+    fn a_robot_that_was_carried_away_before_it_was_found_is_searched_farther_off() {
+        let town = village(7);
+        let mut locator = locator(&town, Start::exact(Pose2::new(-40.0, 50.0, 0.0)));
+        let nothing = blind(&way(&town, &road(-40.0, 50.0, 1))[0]);
+        assert_eq!(locator.look(&nothing), None);
+        locator.lose();
+        assert!(locator.is_lost());
+        let there = road(-30.0, 100.0, 12);
+        driven(&mut locator, &town, &there);
+        let found = locator.estimate().expect("it is found").pose;
+        let error = found.point().distance(there[11].point());
+        assert!(error < 0.3, "{error}");
+    }
+
+    #[test]
+    fn a_robot_that_may_be_anywhere_still_may_when_it_is_lost() {
+        let town = village(7);
+        let mut locator = locator(&town, Start::Anywhere);
+        locator.look(&blind(&way(&town, &road(-40.0, 50.0, 1))[0]));
+        locator.lose();
+        assert_eq!(locator.prior.unwrap().start(), &Start::Anywhere);
+    }
+
+    #[test]
+    fn walls_that_no_map_shows_do_not_end_what_is_known() {
+        let town = village(7);
+        let mut locator = locator(&town, Start::exact(Pose2::new(-40.0, 50.0, 0.0)));
+        driven(&mut locator, &town, &road(-40.0, 50.0, 6));
+        assert!(locator.is_located());
+        // Further along the road, walls hide many of the houses.
+        let wall = |i: usize, y: f64| block(-5.0 + 12.0 * i as f64, 50.0 + y, 9.0, 0.4);
+        let walls = (0..8).flat_map(|i| [wall(i, -3.0), wall(i, 3.0)]);
+        let walled: Vec<Polygon> = town.iter().cloned().chain(walls).collect();
+        let (before, after) = (road(-40.0, 50.0, 6), road(-10.0, 50.0, 10));
+        let odom = after[0].seen_from(before[0]);
+        for stretch in way(&walled, &after) {
+            locator.take(stretch.moved(odom));
+            assert!(locator.is_located());
+        }
+    }
+
+    #[test]
+    fn too_large_an_area_is_not_searched() {
+        let far = [
+            block(0.0, 0.0, 10.0, 10.0),
+            block(9000.0, 9000.0, 10.0, 10.0),
+        ];
+        let mut anywhere = locator(&far, Start::Anywhere);
+        driven(&mut anywhere, &far, &road(-20.0, 10.0, 2));
+        assert!(anywhere.chart().is_none() && anywhere.comparisons() == 0);
+        let mut here = locator(&far, Start::exact(Pose2::new(-20.0, 10.0, 0.0)));
+        driven(&mut here, &far, &road(-20.0, 10.0, 2));
+        assert_eq!(here.comparisons(), 2);
     }
 
     #[test]

@@ -9,13 +9,12 @@ use openbench_core::{MapPoint, Pose2};
 
 use super::chart::{Chart, Wall};
 use super::columns::Facade;
+use super::submap::REACH_M;
 
 /// Facades match walls that face the same way up to this, radians,
 pub(super) const FACING_RAD: f64 = 0.45;
-/// and reach beyond their ends by no more than this, metres, or by half the gate at first.
-const BEYOND_END_M: f64 = 0.7;
-/// Walls within this distance of the robot are matched, metres.
-const REACH_M: f64 = 60.0;
+/// and reach beyond their ends by no more than this share of the gate.
+const BEYOND_END: f64 = 0.5;
 /// Most views that a piece of a facade counts for.
 const MOST_VIEWS: u8 = 4;
 
@@ -195,7 +194,7 @@ impl Matching {
 
     /// The nearest wall that a facade can be on.
     fn fit(&self, at: MapPoint, facing: f64, gate: f64) -> Option<Fit> {
-        let beyond = BEYOND_END_M.max(0.5 * gate);
+        let beyond = BEYOND_END * gate;
         let mut nearest = gate;
         let mut best = None;
         for line in &self.walls {

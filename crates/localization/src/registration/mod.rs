@@ -54,7 +54,7 @@
 //! | [`mod@candidates`] | the likely poses, refined and compared with what was seen |
 //! | [`probability`] | how probable each of them is |
 //! | [`hypothesis`] | such a pose along the way, and when it is accepted |
-//! | [`locator`] | which of them to believe, over the whole way |
+//! | [`locator`] | which of them is accepted, over the whole way |
 //! | [`estimate`] | the pose by all that was seen, and offsets of buildings |
 //! | `equations` | both as linear equations |
 //! | `spread` | how large these offsets are |

@@ -123,7 +123,7 @@ pub(super) fn distinct(mut candidates: Vec<Mode>, most: usize) -> Vec<Mode> {
 }
 
 fn is_same(a: Pose2, b: Pose2) -> bool {
-    a.point().distance(b.point()) < SAME_M && wrap_angle(a.yaw - b.yaw).abs() < SAME_RAD
+    a.is_near(b, SAME_M, SAME_RAD)
 }
 
 /// Whether a place costs less than those beside it with the same heading. Of equal ones, the first.

@@ -11,7 +11,7 @@ use openbench_geometry::{Bounds, Polygon, Segment};
 use super::chart::{Chart, Wall};
 use super::matching::FACING_RAD;
 use super::refine::Refined;
-use super::submap::Submap;
+use super::submap::{REACH_M, Submap};
 
 /// A facade this far from a wall is on it, metres, if it faces the same way.
 const ON_WALL_M: f64 = 1.0;
@@ -19,21 +19,19 @@ const ON_WALL_M: f64 = 1.0;
 const NEAR_M: f64 = 3.0;
 /// and around it at this one.
 const AROUND_M: f64 = 6.0;
-/// Walls within this distance of the robot are compared, metres.
-const REACH_M: f64 = 75.0;
 /// Walls are looked up in cells of this side, metres,
 const CELL_M: f64 = 8.0;
-/// of which there are so many along each side at most: facades are seen from 60 m.
+/// of which there are so many along each side at most.
 const MOST_CELLS: usize = 64;
 
 /// How many facades are where.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Nearness {
-    /// On a wall.
+    /// Facades on a wall.
     pub on_wall: usize,
-    /// On none, but near one or inside a building,
+    /// Facades on no wall, but within 3 m of one or inside a building.
     pub near: usize,
-    /// and the same around walls.
+    /// Facades on no wall, but within 6 m of one or inside a building.
     pub around: usize,
 }
 
@@ -113,7 +111,7 @@ impl<'a> Surroundings<'a> {
         let mut surroundings = Self::empty(bounds);
         let offsets = refined.offsets(chart.outlines.len());
         let here = refined.pose.point();
-        let near = |wall: &&Wall| wall.segment.distance_to_point(here) < REACH_M;
+        let near = |wall: &&Wall| wall.segment.distance_to_point(here) < REACH_M + AROUND_M;
         for wall in chart.walls.iter().filter(near) {
             let by = offsets[wall.building];
             let moved = |at: MapPoint| MapPoint::new(at.x + by.x, at.y + by.y);

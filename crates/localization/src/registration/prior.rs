@@ -22,17 +22,17 @@ const BEYOND_M: f64 = 6.0;
 /// Standard deviation of a start anywhere in the map, metres. No map reaches farther than a few of
 /// these from its origin.
 const ANYWHERE_M: f64 = 1e5;
-/// Odometry errs by at most this share of the way.
+/// Standard deviation of odometry's drift, as a share of the distance from the start.
 const DRIFT: f64 = 0.02;
 
 /// Where the robot started, as far as is known, and where it has moved since.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prior {
     start: Start,
-    /// Information about x, y and yaw of the start, if it is given as a pose.
+    /// Of x, y and yaw of the start, if it is given as a pose.
+    covariance: Matrix3<f64>,
+    /// The same with the drift since, inverted.
     information: Matrix3<f64>,
-    deviation_m: f64,
-    deviation_rad: f64,
     /// Pose of the robot in the frame of its start.
     motion: Pose2,
 }
@@ -42,23 +42,27 @@ impl Prior {
     pub fn new(start: &Start) -> Option<Self> {
         let mut prior = Self {
             start: *start,
+            covariance: Matrix3::zeros(),
             information: Matrix3::zeros(),
-            deviation_m: 0.0,
-            deviation_rad: PI,
             motion: Pose2::default(),
         };
         match start {
             Start::Pose { pose, covariance } => {
                 let covariance = Matrix3::from_fn(|row, column| covariance[row][column]);
                 let least = Vector3::new(LEAST_DEVIATION_M, LEAST_DEVIATION_M, LEAST_DEVIATION_RAD);
-                let sum = covariance + Matrix3::from_diagonal(&least.component_mul(&least));
-                prior.information = sum.try_inverse()?;
-                prior.deviation_m = sum[(0, 0)].max(sum[(1, 1)]).sqrt();
-                prior.deviation_rad = sum[(2, 2)].sqrt();
-                let numbers = [pose.x, pose.y, pose.yaw, prior.deviation_m];
+                prior.covariance =
+                    covariance + Matrix3::from_diagonal(&least.component_mul(&least));
+                prior.information = prior.covariance.try_inverse()?;
+                let deviation = prior.deviation();
+                let numbers = [
+                    pose.x,
+                    pose.y,
+                    pose.yaw,
+                    deviation.metres,
+                    deviation.radians,
+                ];
                 let is_sound = numbers.iter().all(|number| number.is_finite())
-                    && prior.information.iter().all(|number| number.is_finite())
-                    && prior.deviation_rad.is_finite();
+                    && prior.information.iter().all(|number| number.is_finite());
                 is_sound.then_some(prior)
             }
             Start::Area { centre, radius_m } => {
@@ -78,20 +82,44 @@ impl Prior {
     /// The same after the robot has moved; `motion` is its pose in the frame of its start.
     #[must_use]
     pub fn after(self, motion: Pose2) -> Self {
-        Self { motion, ..self }
+        let moved = Self { motion, ..self };
+        let Start::Pose { .. } = self.start else {
+            return moved;
+        };
+        let variance = moved.drift() * moved.drift();
+        let drift = Matrix3::from_diagonal(&Vector3::new(variance, variance, 0.0));
+        let information = (self.covariance + drift).try_inverse();
+        Self {
+            information: information.unwrap_or(self.information),
+            ..moved
+        }
+    }
+
+    /// How far odometry may have drifted since the start, metres.
+    fn drift(&self) -> f64 {
+        DRIFT * self.motion.point().distance(MapPoint::default())
+    }
+
+    /// Whether the start is known better than to be in the map.
+    pub fn is_bounded(&self) -> bool {
+        !matches!(self.start, Start::Anywhere)
     }
 
     /// How well the start is known. A start anywhere in the map counts as known to 100 km.
     pub fn deviation(&self) -> PoseDeviation {
         let metres = match &self.start {
-            Start::Pose { .. } => self.deviation_m,
+            Start::Pose { .. } => {
+                let [x, y] = [0, 1].map(|axis| self.covariance[(axis, axis)]);
+                x.max(y).sqrt()
+            }
             Start::Area { radius_m, .. } => radius_m + BEYOND_M,
             Start::Anywhere => ANYWHERE_M,
         };
-        PoseDeviation {
-            metres,
-            radians: self.deviation_rad,
-        }
+        let radians = match &self.start {
+            Start::Pose { .. } => self.covariance[(2, 2)].sqrt(),
+            _ => PI,
+        };
+        PoseDeviation { metres, radians }
     }
 
     /// Where the robot can be now. `map` is the box around all of the map.
@@ -99,19 +127,23 @@ impl Prior {
         let way = self.motion.point().distance(MapPoint::default());
         match &self.start {
             Start::Pose { pose, .. } => {
-                let spread = MOST_DEVIATIONS * self.deviation_rad;
+                let deviation = self.deviation();
+                let spread = (MOST_DEVIATIONS * deviation.radians).min(PI);
                 let reached = |share: f64| {
-                    let yaw = pose.yaw + share * spread.min(PI);
+                    let yaw = pose.yaw + share * spread;
                     let start = Pose2::new(pose.x, pose.y, yaw);
                     Bounds::of_point(start.transform(self.motion.x, self.motion.y))
                 };
                 let shares = (-8..=8).map(|i| f64::from(i) / 8.0);
+                // What an arc between two of these headings reaches beyond its ends.
+                let bulge = way * (1.0 - libm::cos(spread / 16.0));
                 let reached = shares.map(reached).reduce(Bounds::union);
-                let margin = MOST_DEVIATIONS * self.deviation_m + DRIFT * way;
+                let deviation_m = libm::hypot(deviation.metres, self.drift());
+                let margin = MOST_DEVIATIONS * deviation_m + bulge;
                 reached.unwrap_or(map).grown(margin)
             }
             Start::Area { centre, radius_m } => {
-                Bounds::of_point(*centre).grown(radius_m + way + BEYOND_M)
+                Bounds::of_point(*centre).grown(radius_m + way + self.drift() + BEYOND_M)
             }
             Start::Anywhere => map.grown(BEYOND_M),
         }
@@ -123,7 +155,7 @@ impl Prior {
             return Headings::ALL;
         };
         let step = Headings::ALL.step;
-        let side = (MOST_DEVIATIONS * self.deviation_rad / step).ceil();
+        let side = (MOST_DEVIATIONS * self.deviation().radians / step).ceil();
         if 2.0 * side * step >= TAU {
             return Headings::ALL;
         }
@@ -165,7 +197,8 @@ impl Prior {
                 }
             }
             Start::Area { centre, radius_m } => {
-                let is_inside = start.point().distance(*centre) <= radius_m + BEYOND_M;
+                let beyond = BEYOND_M + self.drift();
+                let is_inside = start.point().distance(*centre) <= radius_m + beyond;
                 if is_inside { 0.0 } else { f64::INFINITY }
             }
             Start::Anywhere => 0.0,
@@ -210,6 +243,23 @@ mod tests {
                 prop_assert!((-0.01..=last + 0.01).contains(&after));
             }
         }
+    }
+
+    #[test]
+    fn drift_widens_what_is_known() {
+        let far = Pose2::new(200.0, 0.0, 0.0);
+        let start = given(Pose2::default(), 0.0, 0.0);
+        // Six standard deviations of the start, and less than three with the drift of 200 m.
+        let (near, beside) = (Pose2::new(0.0, 18.0, 0.0), Pose2::new(200.0, 14.0, 0.0));
+        assert!(start.cost(near).is_infinite());
+        assert!(start.after(far).cost(beside).is_finite());
+        let inside = Prior::new(&Start::Area {
+            centre: MapPoint::default(),
+            radius_m: 10.0,
+        });
+        let inside = inside.unwrap().after(far);
+        assert_eq!(inside.cost(Pose2::new(219.0, 0.0, 0.0)), 0.0);
+        assert!(inside.cost(Pose2::new(221.0, 0.0, 0.0)).is_infinite());
     }
 
     #[test]

@@ -19,22 +19,27 @@ pub const FEATURES: usize = SINGLE + PAIRED.len() * (PAIRED.len() + 1) / 2;
 /// What a probability is computed from, in the order of the weights.
 pub type Features = [f64; FEATURES];
 
-/// What each feature says.
+/// The weight of each feature.
 #[rustfmt::skip]
 const WEIGHTS: Features = [
-    -2.833, -0.019, -0.558, -1.098, -0.701, 1.073, 0.571, -1.053, -0.306, -0.899, 2.312, -0.938,
-    -0.404, -1.045,
+    -1.762, -0.062, -0.598, -0.700, -0.372, 2.088, 0.542, -0.961, -0.216, -0.480, 1.472, -0.884,
+    -1.040, -1.087,
     // Products of closeness, its square first,
-    0.046, 0.212, 0.435, 0.862, 0.350,
+    -0.102, 0.089, 0.008, 0.640, 1.533,
     // of facades on walls over those near walls,
-    0.431, -1.257, 0.368, 0.371,
+    0.446, -1.233, 0.882, 0.665,
     // and over those around walls,
-    0.491, -0.101, 0.200,
+    0.532, -0.540, 0.153,
     // of the least information,
-    0.252, -1.489,
+    0.212, -0.840,
     // and of how far buildings are off.
-    -1.120,
+    -2.362,
 ];
+
+/// Attempts beside the map count a fifth in the fit, as if few robots were there. Of a robot that
+/// may be anywhere they should count as much as others. By Bayes' rule the odds of none of the
+/// candidates are five times as high then.
+const BESIDE_ODDS: f64 = 5.0;
 
 /// What speaks for a candidate.
 #[derive(Debug, Clone, Copy)]
@@ -100,8 +105,9 @@ fn logit(share: f64) -> f64 {
 }
 
 /// The probability of each candidate of an attempt. They sum up to less than one, since the robot
-/// may be at none of them.
-pub fn probabilities(candidates: &[Features]) -> Vec<f64> {
+/// may be at none of them. `is_bounded` tells whether more is known of its start than that it may
+/// be anywhere.
+pub fn probabilities(candidates: &[Features], is_bounded: bool) -> Vec<f64> {
     let logit = |features: &Features| -> f64 {
         let weighted = features.iter().zip(WEIGHTS);
         let sum: f64 = weighted.map(|(feature, weight)| feature * weight).sum();
@@ -111,7 +117,8 @@ pub fn probabilities(candidates: &[Features]) -> Vec<f64> {
     // Relative to the largest, so that none overflows.
     let most = logits.iter().copied().fold(0.0, f64::max);
     let odds: Vec<f64> = logits.iter().map(|logit| libm::exp(logit - most)).collect();
-    let all = odds.iter().sum::<f64>() + libm::exp(-most);
+    let of_none = if is_bounded { 1.0 } else { BESIDE_ODDS };
+    let all = odds.iter().sum::<f64>() + of_none * libm::exp(-most);
     odds.into_iter().map(|odds| odds / all).collect()
 }
 
@@ -147,13 +154,22 @@ mod tests {
             features[4] = 0.5;
             features[5] = 0.3;
         });
-        let found = probabilities(&[poor, good(|_| {})]);
+        let found = probabilities(&[poor, good(|_| {})], true);
         assert!(
             found[1] > found[0] && found.iter().sum::<f64>() < 1.0,
             "{found:?}"
         );
         // Alone, it is more probable than beside another one.
-        assert!(probabilities(&[good(|_| {})])[0] > found[1]);
+        assert!(probabilities(&[good(|_| {})], true)[0] > found[1]);
+    }
+
+    #[test]
+    fn a_robot_that_may_be_anywhere_is_likelier_at_none() {
+        let odds = |is_bounded: bool| {
+            let probability = probabilities(&[good(|_| {})], is_bounded)[0];
+            probability / (1.0 - probability)
+        };
+        assert!((odds(true) / odds(false) - BESIDE_ODDS).abs() < 1e-6);
     }
 
     #[test]
@@ -174,7 +190,7 @@ mod tests {
     fn the_same_fit_says_more_where_more_facades_are_on_walls() {
         let of = |on_wall: f64| {
             let merits = good(|single| single[10] = libm::log(1.0 + on_wall));
-            probabilities(&[merits])[0]
+            probabilities(&[merits], true)[0]
         };
         assert!(of(50.0) < of(150.0) && of(150.0) < of(400.0));
     }
@@ -182,15 +198,16 @@ mod tests {
     #[test]
     fn what_was_improbable_beforehand_still_is() {
         let far = good(|features| features[13] = 14.0);
-        assert!(probabilities(&[far])[0] < probabilities(&[good(|_| {})])[0]);
+        let near = good(|_| {});
+        assert!(probabilities(&[far], true)[0] < probabilities(&[near], true)[0]);
     }
 
     #[test]
     fn no_logit_is_too_large() {
         let huge = good(|features| features[10] = 1e6);
-        assert_eq!(probabilities(&[huge, good(|_| {})]), [1.0, 0.0]);
+        assert_eq!(probabilities(&[huge, good(|_| {})], true), [1.0, 0.0]);
         let none = good(|features| features[12] = f64::NAN);
-        assert_eq!(probabilities(&[none, huge]), [0.0, 1.0]);
-        assert!(probabilities(&[]).is_empty());
+        assert_eq!(probabilities(&[none, huge], true), [0.0, 1.0]);
+        assert!(probabilities(&[], true).is_empty());
     }
 }

@@ -30,9 +30,9 @@ pub struct Assumptions {
     pub expected_buildings: f64,
     /// How exactly facades are on their walls.
     pub facade: FacadeNoise,
-    /// Facades farther than this from each wall match none at the first step, metres,
+    /// Facades farther than this from each wall match none at the first step, metres.
     pub first_gate_m: f64,
-    /// and at the last.
+    /// Facades farther than this from each wall match none at the last step, metres.
     pub last_gate_m: f64,
 }
 
@@ -40,7 +40,7 @@ impl Assumptions {
     /// Every building is where the map shows it.
     pub const EXACT_MAP: Self = Self {
         building_m: 0.02,
-        // However many are seen, that is believed.
+        // However many are seen, the estimate stays there.
         expected_buildings: 1e9,
         ..Self::DEFAULT
     };
@@ -79,19 +79,13 @@ pub struct Refined {
     /// What the distances of all facades from walls cost, nats: a robust half of squared errors, in
     /// which one facade that is on no wall costs no more than one at the gate.
     pub misfit: f64,
-    /// Facades that match a wall,
+    /// Number of facades that match a wall.
     pub matched: usize,
-    /// of so many.
+    /// Number of all facades.
     pub facades: usize,
 }
 
 impl Refined {
-    /// The offset of a building of the chart; `None` where none of its walls is seen.
-    pub fn offset(&self, building: usize) -> Option<Vector2<f64>> {
-        let own = self.buildings.iter().find(|one| one.building == building);
-        own.map(|one| one.offset)
-    }
-
     /// The offset of each building of a chart of so many; zero where none of its walls is seen.
     pub fn offsets(&self, buildings: usize) -> Vec<Vector2<f64>> {
         let mut offsets = vec![Vector2::zeros(); buildings];

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use nalgebra::{Isometry2, Matrix3, Rotation3, Vector3};
+use nalgebra::Isometry2;
 use openbench_core::{LidarScan, MapComparison, Observation, Pose2, Pose3, Start};
 use openbench_osm::OsmMap;
 
@@ -13,6 +13,7 @@ use super::prior::Prior;
 use super::stretch::{FIRST_SCANS, Gatherer};
 use crate::deviation::PoseDeviation;
 use crate::fixes::{Fix, FixSource, Presumption};
+use crate::reckoned::rotating;
 use crate::track::Track;
 
 /// A fix of more standard deviations than this is an outlier.
@@ -31,7 +32,6 @@ pub struct Registrar {
     gatherer: Gatherer,
     /// Scans before the first look.
     scans: u16,
-    registrations: u64,
 }
 
 impl Registrar {
@@ -41,7 +41,6 @@ impl Registrar {
             locator: Locator::new(Arc::clone(&map), &start),
             gatherer: Gatherer::new(lidar),
             scans: 0,
-            registrations: 0,
             map,
             start,
             lidar,
@@ -55,21 +54,16 @@ impl Registrar {
 
     /// Begins with a look around.
     fn look_anew(&mut self) {
-        (self.gatherer, self.scans) = (Gatherer::new(self.lidar), 0);
+        self.gatherer.restart();
+        self.scans = 0;
     }
 
     fn locate(&mut self, scan: &LidarScan, track: &dyn Track) -> Option<Measured> {
         let ended = self.gatherer.take(scan, track);
         self.scans = self.scans.saturating_add(1);
         match ended {
-            Some(stretch) => {
-                self.registrations += 1;
-                self.locator.take(stretch)
-            }
-            None if self.scans == FIRST_SCANS => {
-                self.registrations += 1;
-                self.locator.look(&self.gatherer.unfinished()?)
-            }
+            Some(stretch) => self.locator.take(stretch),
+            None if self.scans == FIRST_SCANS => self.locator.look(&self.gatherer.end()?),
             None => None,
         }
     }
@@ -107,7 +101,7 @@ impl FixSource for Registrar {
     }
 
     fn map_registrations(&self) -> u64 {
-        self.registrations
+        self.locator.comparisons()
     }
 
     fn comparison(&self) -> Option<MapComparison> {
@@ -122,7 +116,11 @@ impl FixSource for Registrar {
     }
 
     fn building_offsets(&self) -> &[BuildingOffset] {
-        self.best().map_or(&[], |best| best.offsets())
+        offsets(self.locator.estimate())
+    }
+
+    fn presumed_offsets(&self) -> &[BuildingOffset] {
+        offsets(self.best())
     }
 
     fn update(
@@ -135,8 +133,7 @@ impl FixSource for Registrar {
         let last = scan.points.iter().map(|point| point.offset_ns).max()?;
         let Measured { pose, information } = self.locate(scan, track)?;
         // From x, y of the map to forward, left.
-        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), pose.yaw);
-        let turn: &Matrix3<f64> = turn.matrix();
+        let turn = rotating(pose.yaw);
         Some(Fix {
             stamp: scan.stamp + Duration::from_nanos(u64::from(last)),
             pose: Isometry2::new(nalgebra::Vector2::new(pose.x, pose.y), pose.yaw),
@@ -144,6 +141,10 @@ impl FixSource for Registrar {
             max_deviations: CREDIBLE,
         })
     }
+}
+
+fn offsets(estimate: Option<&Estimate>) -> &[BuildingOffset] {
+    estimate.map_or(&[], |estimate| estimate.offsets())
 }
 
 #[cfg(test)]

@@ -134,7 +134,7 @@ mod tests {
         let deviation = spread.deviation_m();
         assert!((deviation - 0.5).abs() < 0.005, "{deviation}");
         assert!((spread.information() - 4.0).abs() < 0.1);
-        // Of an exact map that is never believed.
+        // An exact map stays exact, whatever is seen.
         let mut exact = Spread::new(&Assumptions::EXACT_MAP, 0.02);
         exact.estimate(&[0.25; 200]);
         assert!(exact.deviation_m() < 0.021, "{}", exact.deviation_m());

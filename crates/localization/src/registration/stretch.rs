@@ -78,8 +78,10 @@ struct Open {
     columns: Columns,
     views: Vec<View>,
     scans: u16,
-    /// Where the last scan was taken.
+    /// Where the last scan was taken,
     last: Pose2,
+    /// and where the robot is, which may have taken no scan there.
+    newest: Reckoned,
     metres: f64,
 }
 
@@ -115,6 +117,13 @@ impl Stretch {
 }
 
 impl Panorama {
+    /// Bearing of each direction, radians, and metres of free ground along it.
+    pub fn rays(&self) -> impl Iterator<Item = (f64, f64)> {
+        let step = TAU / self.free.len() as f64;
+        let free = self.free.iter().enumerate();
+        free.map(move |(i, free)| ((i as f64 + 0.5) * step, f64::from(*free)))
+    }
+
     fn moved(&self, by: Pose2) -> Self {
         let count = self.free.len();
         let steps = libm::round(by.yaw.rem_euclid(TAU) / TAU * count as f64) as usize;
@@ -158,16 +167,17 @@ impl Gatherer {
         if !(here.x.is_finite() && here.y.is_finite() && here.yaw.is_finite()) {
             return None;
         }
-        let jumped = |open: &mut Open| open.last.point().distance(here.point()) > JUMP_M;
-        if self.open.as_mut().is_some_and(jumped) {
+        let jumped = |open: &Open| open.newest.pose.point().distance(here.point()) > JUMP_M;
+        if self.open.as_ref().is_some_and(jumped) {
             (self.open, self.since) = (None, None);
         }
         let now = Reckoned {
             pose: here,
             covariance: track.pose_covariance().unwrap_or_else(Matrix3::zeros),
         };
-        let since = *self.since.get_or_insert(now);
-        let open = self.open.get_or_insert_with(|| Open::at(here));
+        self.since.get_or_insert(now);
+        let open = self.open.get_or_insert_with(|| Open::at(now));
+        open.newest = now;
         if !open.is_due(here) {
             return None;
         }
@@ -179,26 +189,31 @@ impl Gatherer {
         if open.metres < STRETCH_M {
             return None;
         }
-        let ended = open.stretch(now.growth_since(&since));
-        (self.open, self.since) = (None, Some(now));
-        Some(ended)
+        self.end()
     }
 
-    /// The stretch as it is now, without a drift; `None` before the first scan.
-    pub fn unfinished(&self) -> Option<Stretch> {
-        self.open
-            .as_ref()
-            .map(|open| open.stretch(Matrix3::zeros()))
+    /// Ends the stretch as it is now, after a look around; `None` before the first scan. The next
+    /// one shows none of its scans again.
+    pub fn end(&mut self) -> Option<Stretch> {
+        let open = self.open.take()?;
+        let since = self.since.replace(open.newest)?;
+        Some(open.stretch(open.newest.growth_since(&since)))
+    }
+
+    /// Drops the scans of a stretch that has not ended. Its drift counts with the next one.
+    pub fn restart(&mut self) {
+        self.open = None;
     }
 }
 
 impl Open {
-    fn at(start: Pose2) -> Self {
+    fn at(start: Reckoned) -> Self {
         Self {
-            columns: Columns::around(start.point()),
+            columns: Columns::around(start.pose.point()),
             views: Vec::new(),
             scans: 0,
-            last: start,
+            last: start.pose,
+            newest: start,
             metres: 0.0,
         }
     }
@@ -394,10 +409,61 @@ mod tests {
         let seen = scan(&houses, at(0.0), SimTime::ZERO);
         gatherer.take(&seen, &Still(at(0.0)));
         assert_eq!(gatherer.take(&seen, &Still(at(f64::NAN))), None);
-        assert_eq!(gatherer.unfinished().unwrap().end, at(0.0));
+        assert_eq!(gatherer.clone().end().unwrap().end, at(0.0));
         assert_eq!(gatherer.take(&seen, &Still(at(100.0))), None);
-        let again = gatherer.unfinished().unwrap();
+        let again = gatherer.end().unwrap();
         assert_eq!((again.end, again.metres), (at(100.0), 0.0));
+    }
+
+    #[test]
+    fn a_robot_that_turned_for_long_ends_its_stretch_when_it_drives_on() {
+        let houses = [block(10.0, 9.0, 30.0, 8.0)];
+        let mut gatherer = Gatherer::new(Pose3::translation(0.0, 0.0, 0.3));
+        let turning = (0..100).map(|i| Pose2::new(0.0, 0.0, 0.25 * f64::from(i)));
+        let driving = (0..30).map(|i| Pose2::new(0.2 * f64::from(i), 0.0, 0.0));
+        let ended = turning.chain(driving).filter_map(|pose| {
+            let scan = scan(&houses, pose, SimTime::ZERO);
+            gatherer.take(&scan, &Still(pose))
+        });
+        let ended: Vec<Stretch> = ended.collect();
+        assert_eq!(ended.len(), 1);
+        assert!((5.0..5.5).contains(&ended[0].metres), "{}", ended[0].metres);
+    }
+
+    /// A track whose variances of x and y grow by a hundredth of a square metre with each metre.
+    struct Drifting(Pose2);
+
+    impl Track for Drifting {
+        fn pose3_at(&self, _: SimTime) -> Pose3 {
+            Still(self.0).pose3_at(SimTime::ZERO)
+        }
+
+        fn pose_covariance(&self) -> Option<Matrix3<f64>> {
+            let variance = 0.01 * self.0.x;
+            Some(Matrix3::from_diagonal(&Vector3::new(
+                variance, variance, 0.0,
+            )))
+        }
+    }
+
+    #[test]
+    fn drift_is_counted_once_whatever_ends_a_stretch() {
+        let mut gatherer = Gatherer::new(Pose3::translation(0.0, 0.0, 0.3));
+        let take = |gatherer: &mut Gatherer, x: f64| {
+            let pose = Pose2::new(x, 0.0, 0.0);
+            let scan = scan(&[block(10.0, 9.0, 30.0, 8.0)], pose, SimTime::ZERO);
+            gatherer.take(&scan, &Drifting(pose));
+        };
+        take(&mut gatherer, 0.0);
+        take(&mut gatherer, 1.0);
+        let look = gatherer.end().unwrap();
+        assert!((look.drift[0][0] - 0.01).abs() < 1e-12, "{:?}", look.drift);
+        assert_eq!(gatherer.end(), None, "its scans count once");
+        take(&mut gatherer, 2.0);
+        gatherer.restart();
+        take(&mut gatherer, 3.0);
+        let drift = gatherer.end().unwrap().drift;
+        assert!((drift[0][0] - 0.02).abs() < 1e-12, "{drift:?}");
     }
 
     #[test]
@@ -409,7 +475,7 @@ mod tests {
             for _ in 0..FIRST_SCANS {
                 gatherer.take_labelled(&seen, &|_| probability, &Still(pose));
             }
-            gatherer.unfinished().unwrap()
+            gatherer.end().unwrap()
         };
         let (hedge, wall) = (labelled(0.2), labelled(0.9));
         assert!(hedge.facades.is_empty() && wall.facades.len() > 10);
@@ -439,6 +505,6 @@ mod tests {
             points: Vec::new(),
         };
         assert_eq!(gatherer.take(&scan, &Still(Pose2::default())), None);
-        assert_eq!(gatherer.unfinished(), None);
+        assert_eq!(gatherer.end(), None);
     }
 }

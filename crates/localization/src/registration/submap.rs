@@ -5,6 +5,9 @@ use openbench_core::{MapPoint, Pose2};
 use super::columns::{CELL_M, Facade};
 use super::stretch::{Panorama, Stretch};
 
+/// Facades farther from the robot are left out, and so are walls, metres.
+pub(super) const REACH_M: f64 = 60.0;
+
 /// Stretches, in the frame of the robot at the end of the newest.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Submap {
@@ -24,7 +27,9 @@ impl Submap {
         // From the frame of the stretches to that of the robot.
         let by = Pose2::default().seen_from(newest.end);
         for stretch in stretches.iter().map(|stretch| stretch.moved(by)) {
-            submap.facades.extend(stretch.facades);
+            let facades = stretch.facades.into_iter();
+            let is_near = |facade: &Facade| facade.at.distance(MapPoint::default()) < REACH_M;
+            submap.facades.extend(facades.filter(is_near));
             submap.panoramas.extend(stretch.panoramas);
         }
         submap.facades = joined(submap.facades);
@@ -86,6 +91,19 @@ mod tests {
         // The robot is the origin, at the end of the newest.
         let (x, y) = here.inverse_transform(MapPoint::default());
         assert!(both.panoramas[0].from.distance(MapPoint::new(x, y)) < 1e-9);
+    }
+
+    #[test]
+    fn facades_far_from_the_robot_are_left_out() {
+        let mut seen = stretch_at(&town(), Pose2::default());
+        seen.end = Pose2::new(-35.0, 0.0, 0.0);
+        let submap = Submap::of(std::slice::from_ref(&seen));
+        assert!(submap.facades.len() < seen.facades.len() && !submap.facades.is_empty());
+        let mut away = submap
+            .facades
+            .iter()
+            .map(|facade| facade.at.distance(MapPoint::default()));
+        assert!(away.all(|metres| metres < REACH_M));
     }
 
     #[test]

@@ -154,7 +154,7 @@ pub(super) fn way(houses: &[Polygon], poses: &[Pose2]) -> Vec<Stretch> {
         for _ in 0..2 {
             gatherer.take(&scan, &Still(in_odom(*pose)));
         }
-        let mut stretch = gatherer.unfinished().unwrap();
+        let mut stretch = gatherer.end().unwrap();
         stretch.metres = if i == 0 {
             0.0
         } else {

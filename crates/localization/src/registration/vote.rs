@@ -10,7 +10,6 @@ use openbench_core::{MapPoint, Pose2};
 use openbench_geometry::grid::GridGeometry;
 
 use super::field::{CELL_M, Field, MARGIN_CELLS, sector};
-use super::stretch::DIRECTIONS;
 use super::submap::Submap;
 
 /// Most pieces of evidence of each kind.
@@ -76,10 +75,9 @@ fn free_places(submap: &Submap) -> Vec<Piece> {
     };
     let mut is_free = vec![false; squares.len()];
     for panorama in &submap.panoramas {
-        for (i, free) in panorama.free.iter().enumerate().step_by(2) {
-            let bearing = (i as f64 + 0.5) * TAU / DIRECTIONS as f64;
+        for (bearing, free) in panorama.rays().step_by(2) {
             let (sine, cosine) = libm::sincos(bearing);
-            let end = (f64::from(*free) - FREE_MARGIN_M).clamp(0.0, FREE_RANGE_M);
+            let end = (free - FREE_MARGIN_M).clamp(0.0, FREE_RANGE_M);
             let mut range = 1.0;
             while range < end {
                 let (x, y) = (cosine * range, sine * range);

@@ -10,6 +10,7 @@ use openbench_osm::OsmMap;
 use openbench_osm::disturb::{Disturbed, MapErrors, disturb};
 
 use super::drives::Drive;
+use super::mixed_seed;
 
 /// So many drives have the same map.
 const DRIVES_OF_MAP: usize = 5;
@@ -64,21 +65,11 @@ pub fn cases<'a>(
 ) -> Result<Vec<Case<'a>>, BenchError> {
     let mut cases = Vec::new();
     for (number, chunk) in drives.chunks(DRIVES_OF_MAP).enumerate() {
-        let map = Arc::new(wrong_map(
-            prepared,
-            level,
-            known,
-            seed.wrapping_add(number as u64),
-        )?);
+        let of_map = mixed_seed(seed, number as u64);
+        let map = Arc::new(wrong_map(prepared, level, known, of_map)?);
         for drive in chunk {
-            let truth = drive
-                .legs
-                .first()
-                .map(|leg| leg.first.truth)
-                .unwrap_or_default();
-            let own = seed
-                .wrapping_mul(1_000_003)
-                .wrapping_add(cases.len() as u64);
+            let truth = drive.first.truth;
+            let own = mixed_seed(of_map, cases.len() as u64);
             let start = match (known, &map.errors) {
                 (Known::Start(errors), Some(wrong)) => errors.draw(wrong.frame.compose(truth), own),
                 _ => Start::Anywhere,

@@ -3,7 +3,7 @@
 use openbench_core::Pose2;
 use openbench_sim::noise::Noise;
 
-use super::drives::{Drive, Leg, Seen};
+use super::drives::{Drive, Seen};
 
 /// Stream of random numbers, distinct from those of sensors.
 const RANDOM_STREAM: u64 = 37;
@@ -21,7 +21,7 @@ pub fn drifting(drive: &Drive, share: f64, seed: u64) -> Drive {
     let mut before = drive.start();
     let mut drifted = before;
     let legs = drive.legs.iter().map(|leg| {
-        let end = leg.whole.stretch.end;
+        let end = leg.stretch.end;
         let motion = end.seen_from(before);
         let turn = TURN_PER_DRIFT * share * noise.normal();
         drifted = drifted.compose(Pose2::new(
@@ -32,18 +32,16 @@ pub fn drifting(drive: &Drive, share: f64, seed: u64) -> Drive {
         before = end;
         // From the frame of the odometry to that of the worse one.
         let by = drifted.compose(Pose2::default().seen_from(end));
-        let mut whole = moved(&leg.whole, by);
+        let mut leg = moved(leg, by);
         let along = share * libm::hypot(motion.x, motion.y);
         let turned = TURN_PER_DRIFT * share;
         for (i, error) in [along, along, turned].into_iter().enumerate() {
-            whole.stretch.drift[i][i] += error * error;
+            leg.stretch.drift[i][i] += error * error;
         }
-        Leg {
-            first: moved(&leg.first, by),
-            whole,
-        }
+        leg
     });
     Drive {
+        first: drive.first.clone(),
         legs: legs.collect(),
     }
 }
@@ -73,12 +71,9 @@ mod tests {
             },
             truth: Pose2::new(x, 0.0, 0.0),
         };
-        let leg = |i: usize| Leg {
-            first: seen(5.0 * i as f64),
-            whole: seen(5.0 * (i + 1) as f64),
-        };
         Drive {
-            legs: (0..legs).map(leg).collect(),
+            first: seen(0.0),
+            legs: (1..=legs).map(|i| seen(5.0 * i as f64)).collect(),
         }
     }
 
@@ -89,8 +84,8 @@ mod tests {
         let ends = (0..400).map(|seed| {
             let drifted = drifting(&drive, 0.01, seed);
             let last = drifted.legs.last().expect("it has legs");
-            assert_eq!(last.whole.truth.x, 100.0);
-            last.whole.stretch.end
+            assert_eq!((last.truth.x, drifted.start().x), (100.0, 0.0));
+            last.stretch.end
         });
         let ends: Vec<Pose2> = ends.collect();
         let count = ends.len() as f64;

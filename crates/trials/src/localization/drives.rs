@@ -1,5 +1,6 @@
 //! Drives that are recorded once, so that the robot can be localized on them in many maps.
 
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 use openbench_bench::run::threads;
@@ -7,11 +8,13 @@ use openbench_bench::{BenchError, Prepared};
 use openbench_core::{LidarScan, Pose2};
 use openbench_localization::registration::estimate::Measured;
 use openbench_localization::registration::locator::Locator;
-use openbench_localization::registration::{Gatherer, Stretch, stretch::STRETCH_M};
+use openbench_localization::registration::stretch::{FIRST_SCANS, STRETCH_M};
+use openbench_localization::registration::{Gatherer, Stretch};
 use openbench_localization::{LidarInertial, Localizer, Track};
 use serde::{Deserialize, Serialize};
 
 use super::labels::{Labels, TrueLabels};
+use super::mixed_seed;
 use crate::tour::{STANDSTILL, Style, Tour, drive};
 
 /// Usual length of a drive, metres.
@@ -20,8 +23,6 @@ pub const DRIVE_M: f64 = 60.0;
 const TOUR_M: f64 = 600.0;
 /// Half a metre in a second, with stops now and then: seconds for each metre.
 const SECONDS_PER_M: f64 = 2.25;
-/// A first look consists of so many scans.
-const FIRST_SCANS: usize = 5;
 
 /// What was seen on a stretch, and where that was in truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,15 +31,6 @@ pub struct Seen {
     pub stretch: Stretch,
     /// True pose of the robot at its end.
     pub truth: Pose2,
-}
-
-/// Five metres of a drive.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Leg {
-    /// Its first half second, as if the robot had been switched on there.
-    pub first: Seen,
-    /// All of it.
-    pub whole: Seen,
 }
 
 /// What is recorded.
@@ -57,8 +49,10 @@ pub struct Recording {
 /// A drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
-    /// Its legs, in their order.
-    pub legs: Vec<Leg>,
+    /// The first half second, as if the robot had been switched on there.
+    pub first: Seen,
+    /// What comes after it, five metres each.
+    pub legs: Vec<Seen>,
 }
 
 /// What a robot is shown at a moment of a drive.
@@ -75,28 +69,26 @@ pub struct Shown<'a> {
 impl Drive {
     /// Pose of the robot in the frame of odometry when it begins.
     pub fn start(&self) -> Pose2 {
-        self.legs
-            .first()
-            .map_or(Pose2::default(), |leg| leg.first.stretch.end)
+        self.first.stretch.end
     }
 
     /// What the robot is shown: a first look, then each leg.
     pub fn shown(&self) -> Vec<Shown<'_>> {
-        let first = self.legs.first().map(|leg| Shown {
-            seen: &leg.first,
+        let first = Shown {
+            seen: &self.first,
             is_first: true,
             metres: 0.0,
-        });
+        };
         let mut metres = 0.0;
-        let wholes = self.legs.iter().map(|leg| {
-            metres += leg.whole.stretch.metres;
+        let legs = self.legs.iter().map(|seen| {
+            metres += seen.stretch.metres;
             Shown {
-                seen: &leg.whole,
+                seen,
                 is_first: false,
                 metres,
             }
         });
-        first.into_iter().chain(wholes).collect()
+        [first].into_iter().chain(legs).collect()
     }
 }
 
@@ -111,9 +103,9 @@ impl Shown<'_> {
     }
 }
 
-/// Records drives through a world, on tours along doors in random order. Drives have no metre in
-/// common. They do not depend on the number of threads, and the first ones not on their number. In
-/// heavy traffic they may be fewer.
+/// Records drives through a world, on tours along doors in random order. All tours begin at the
+/// start of the world, and drives of one tour have no metre in common. Drives do not depend on the
+/// number of threads, and the first ones not on their number. In heavy traffic they may be fewer.
 ///
 /// # Errors
 /// A world in which a robot cannot drive.
@@ -124,28 +116,30 @@ pub fn record(
 ) -> Result<Vec<Drive>, BenchError> {
     let mut drives = Vec::new();
     let of_tour = ((TOUR_M / what.metres) as usize).max(1);
+    let mut tours = 0;
     // Traffic makes some tours shorter than others.
-    for round in 0..3 {
+    let most = 3 * what.count.div_ceil(of_tour);
+    while drives.len() < what.count && tours < most {
         let missing = what.count - drives.len();
-        let tours = missing.div_ceil(of_tour);
-        let one = |i: usize| {
-            let number = round * 1000 + i as u64;
+        let next = tours + missing.div_ceil(of_tour);
+        let one = |number: usize| {
             let own = Recording {
-                seed: what.seed.wrapping_mul(1_000_000).wrapping_add(number),
-                count: (missing - i * of_tour).min(of_tour),
+                seed: mixed_seed(what.seed, number as u64),
+                count: (missing - (number - tours) * of_tour).min(of_tour),
                 ..*what
             };
-            tour(prepared, &own)
+            tour(prepared, &own, of_tour)
         };
-        let recorded = threads::each(0..tours, threads, one, Ok::<_, BenchError>)?;
-        drives.extend(recorded.into_iter().flatten().take(missing));
+        let recorded = threads::each(tours..next, threads, one, Ok::<_, BenchError>)?;
+        drives.extend(recorded.into_iter().flatten());
+        tours = next;
     }
     Ok(drives)
 }
 
-/// The drives of one tour.
-fn tour(prepared: &Prepared, what: &Recording) -> Result<Vec<Drive>, BenchError> {
-    let seconds = SECONDS_PER_M * what.metres * what.count as f64;
+/// The drives of one tour, for which a robot has the time of `of_tour` drives.
+fn tour(prepared: &Prepared, what: &Recording, of_tour: usize) -> Result<Vec<Drive>, BenchError> {
+    let seconds = SECONDS_PER_M * what.metres * of_tour as f64;
     let tour = Tour {
         time: STANDSTILL + Duration::from_secs_f64(seconds),
         via: Vec::new(),
@@ -160,8 +154,7 @@ fn tour(prepared: &Prepared, what: &Recording) -> Result<Vec<Drive>, BenchError>
     };
     let mut odometry = LidarInertial::new(prepared.robot.clone());
     odometry.reset(Pose2::default());
-    let mut legs = Vec::new();
-    let mut recorder = LegRecorder::new(prepared);
+    let mut recorder = DriveRecorder::new(prepared, what.metres);
     drive(prepared, &tour, &mut |simulator, _| {
         let observation = simulator.observation();
         odometry.update(&observation);
@@ -169,30 +162,16 @@ fn tour(prepared: &Prepared, what: &Recording) -> Result<Vec<Drive>, BenchError>
             .truth
             .observe(observation.time, simulator.base_link());
         if let (Some(scan), true) = (observation.scan, odometry.ready()) {
-            let truth = Pose2::from_pose3(&simulator.base_link());
-            let gathered = labeller.gather(&mut recorder.whole, scan, &odometry);
-            if recorder.scans < FIRST_SCANS {
-                recorder.scans += 1;
-                labeller.gather(&mut recorder.first, scan, &odometry);
-                if recorder.scans == FIRST_SCANS {
-                    let stretch = recorder.first.unfinished();
-                    recorder.seen = stretch.map(|stretch| Seen { stretch, truth });
-                }
-            }
-            if let Some(stretch) = gathered {
-                let whole = Seen { stretch, truth };
-                legs.extend(recorder.seen.take().map(|first| Leg { first, whole }));
-                recorder = LegRecorder::new(prepared);
-            }
+            let gathered = labeller.gather(&mut recorder.gatherer, scan, &odometry);
+            recorder.add(gathered, Pose2::from_pose3(&simulator.base_link()));
         }
-        Ok(())
-    })?;
-    let drives = legs.chunks_exact(((what.metres / STRETCH_M) as usize).max(1));
-    Ok(drives
-        .map(|legs| Drive {
-            legs: legs.to_vec(),
+        Ok(if recorder.drives.len() < what.count {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
         })
-        .collect())
+    })?;
+    Ok(recorder.drives)
 }
 
 /// Gathers scans with the labels that are asked for.
@@ -217,22 +196,48 @@ impl Labeller<'_> {
     }
 }
 
-/// Gathers one leg.
-struct LegRecorder {
-    whole: Gatherer,
-    first: Gatherer,
-    scans: usize,
-    seen: Option<Seen>,
+/// Gathers drives of the same length, one after another.
+struct DriveRecorder {
+    gatherer: Gatherer,
+    /// Legs of a drive.
+    legs: usize,
+    /// Scans of the drive.
+    scans: u16,
+    /// The drive that has begun, once the robot has looked around.
+    begun: Option<Drive>,
+    drives: Vec<Drive>,
 }
 
-impl LegRecorder {
-    fn new(prepared: &Prepared) -> Self {
-        let gatherer = Gatherer::new(prepared.robot.lidar);
+impl DriveRecorder {
+    fn new(prepared: &Prepared, metres: f64) -> Self {
         Self {
-            whole: gatherer.clone(),
-            first: gatherer,
+            gatherer: Gatherer::new(prepared.robot.lidar),
+            legs: ((metres / STRETCH_M) as usize).max(1),
             scans: 0,
-            seen: None,
+            begun: None,
+            drives: Vec::new(),
+        }
+    }
+
+    /// After a scan, which may have ended a stretch; `truth` is where the robot is.
+    fn add(&mut self, ended: Option<Stretch>, truth: Pose2) {
+        self.scans = self.scans.saturating_add(1);
+        match (&mut self.begun, ended) {
+            (None, _) if self.scans == FIRST_SCANS => {
+                let first = self.gatherer.end().map(|stretch| Seen { stretch, truth });
+                self.begun = first.map(|first| Drive {
+                    first,
+                    legs: Vec::new(),
+                });
+            }
+            (Some(drive), Some(stretch)) => {
+                drive.legs.push(Seen { stretch, truth });
+                if drive.legs.len() == self.legs {
+                    self.drives.extend(self.begun.take());
+                    self.scans = 0;
+                }
+            }
+            _ => {}
         }
     }
 }

@@ -4,6 +4,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use openbench_bench::run::threads;
+use openbench_core::Pose2;
 use openbench_localization::registration::hypothesis::{Acceptance, Located};
 use openbench_localization::registration::locator::{Judgement, Locator};
 use serde::Serialize;
@@ -19,14 +20,18 @@ pub struct Example {
     pub case: usize,
     /// Metres driven before.
     pub metres: f64,
-    /// Where the robot would have started, in the map's frame: x, y, yaw.
-    pub start: [f64; 3],
+    /// The pose in the map's frame: x, y, yaw.
+    pub pose: [f64; 3],
+    /// Pose of the robot by odometry then.
+    pub odom: [f64; 3],
     /// Distance from the true position, metres; null if the robot is not on the map.
     pub error_m: Option<f64>,
     /// Difference from the true heading, radians.
     pub error_rad: Option<f64>,
     /// Number of buildings on whose walls facades are.
     pub buildings: usize,
+    /// Information about the position along the direction in which it is known least, 1/m².
+    pub weakest: f64,
     /// What its probability is computed from.
     pub features: Vec<f64>,
     /// The probability.
@@ -59,19 +64,19 @@ fn of_case(number: usize, case: &Case<'_>) -> Vec<Example> {
 }
 
 fn example(number: usize, case: &Case<'_>, shown: &Shown<'_>, one: &Located) -> Example {
-    let pose = one.pose;
-    let back = case.drive.start().seen_from(shown.seen.stretch.end);
-    let start = pose.compose(back);
+    let numbers = |pose: Pose2| [pose.x, pose.y, pose.yaw];
     let errors = case
         .on_map(shown.seen.truth)
-        .map(|truth| pose_errors(pose, truth));
+        .map(|truth| pose_errors(one.pose, truth));
     Example {
         case: number,
         metres: shown.metres,
-        start: [start.x, start.y, start.yaw],
+        pose: numbers(one.pose),
+        odom: numbers(shown.seen.stretch.end),
         error_m: errors.map(|errors| errors.metres),
         error_rad: errors.map(|errors| errors.radians),
         buildings: one.candidate.refined.buildings.len(),
+        weakest: one.candidate.refined.weakest(),
         features: one.candidate.features.to_vec(),
         probability: one.candidate.probability,
     }

@@ -11,6 +11,8 @@
 //! | [`report`] | what trials found, in numbers |
 //! | [`trial`] | what a locator finds on a drive |
 
+use openbench_osm::draws::mix;
+
 pub mod cases;
 pub mod drift;
 pub mod drives;
@@ -19,3 +21,9 @@ pub mod labels;
 pub mod peers;
 pub mod report;
 pub mod trial;
+
+/// The seed of what has this number under another seed. Seeds and numbers that differ by little
+/// give unrelated ones.
+pub fn mixed_seed(seed: u64, number: u64) -> u64 {
+    mix(mix(seed) ^ number)
+}

@@ -165,6 +165,16 @@ impl Report {
     }
 }
 
+impl Report {
+    /// Of a method that always gives some pose: it accepts none, and rejects no map.
+    pub fn of_peer(drives: &[Vec<Moment>]) -> Self {
+        Self {
+            rejected_off_map: None,
+            ..Self::of(drives, true)
+        }
+    }
+}
+
 fn rate(count: usize, of: usize) -> Option<f64> {
     (of > 0).then(|| count as f64 / of as f64)
 }
@@ -247,5 +257,7 @@ mod tests {
         assert_eq!((report.rejected_off_map, report.wrong_5m), (Some(0.5), 1));
         assert_eq!((report.accepted, report.nees_mean), (Some(0.5), None));
         assert_eq!(Report::of(&[], true).accepted, None);
+        let peer = Report::of_peer(&[vec![moment(0.0, None), moment(60.0, None)]]);
+        assert_eq!(peer.rejected_off_map, None);
     }
 }

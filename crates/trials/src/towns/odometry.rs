@@ -1,5 +1,6 @@
 //! Odometry errors on a drive through a window.
 
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
@@ -55,7 +56,7 @@ pub fn measure(prepared: &Prepared, seed: u64) -> Result<OdometrySum, BenchError
     let mut follower = Follower::new(&prepared.robot);
     let driven = drive(prepared, &tour, &mut |simulator, _| {
         follower.take(&simulator.observation(), simulator.base_link());
-        Ok(())
+        Ok(ControlFlow::Continue(()))
     })?;
     Ok(follower.sum(driven.metres, &prepared.robot))
 }
