@@ -173,6 +173,7 @@ impl Border {
             // that is added later does not pass through untranslated.
             Event::Plan(_)
             | Event::Task(_)
+            | Event::Stage(_)
             | Event::Models(_)
             | Event::Work(_)
             | Event::WallTime(_)

@@ -10,6 +10,7 @@ use crate::health::Health;
 use crate::model_use::ModelUse;
 use crate::plan::Plan;
 use crate::sensors::Image;
+use crate::stage::Stage;
 use crate::work::Work;
 
 /// An agent's estimate of its pose.
@@ -42,6 +43,8 @@ pub enum Event {
     Plan(Plan),
     /// Work on a delivery begins.
     Task(Address),
+    /// What the agent does from now on.
+    Stage(Stage),
     /// A route over roads, in `map`.
     Route(Vec<MapPoint>),
     /// The path that is being followed, in `map`.

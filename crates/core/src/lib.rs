@@ -10,6 +10,7 @@
 //! | [`robot`] | [`RobotDescription`]: size, sensor poses and limits of the robot |
 //! | [`address`] | [`Address`]: building and unit |
 //! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: deliveries in driving order |
+//! | [`stage`] | [`Stage`]: what an agent is doing about a delivery |
 //! | [`start`] | [`Start`]: what an agent knows about where it starts |
 //! | [`agent`] | [`Agent`], [`Briefing`], [`Observation`], [`Action`]: the contract |
 //! | [`health`] | [`Health`], [`Doubt`]: how far an estimated pose can be trusted |
@@ -36,6 +37,7 @@ pub mod registry;
 pub mod robot;
 pub mod sensed;
 pub mod sensors;
+pub mod stage;
 pub mod start;
 pub mod time;
 pub mod work;
@@ -59,6 +61,7 @@ pub use sensed::Sensed;
 pub use sensors::{
     Camera, CameraIntrinsics, GnssFix, Image, ImuSample, LidarPoint, LidarScan, WheelSample,
 };
+pub use stage::Stage;
 pub use start::Start;
 pub use time::SimTime;
 pub use work::Work;

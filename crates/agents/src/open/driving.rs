@@ -187,6 +187,21 @@ impl Driver {
         self.reported.clear();
     }
 
+    /// Where it drives to.
+    #[cfg(test)]
+    pub fn target(&self) -> Option<Target> {
+        self.target
+    }
+
+    /// Moves the target with the building that it is in front of. The robot has no more time for
+    /// it than before.
+    pub fn move_target(&mut self, by: MapPoint) {
+        if let Some(target) = &mut self.target {
+            target.point = MapPoint::new(target.point.x + by.x, target.point.y + by.y);
+            self.navigator.set_goal(target.point, target.yaw);
+        }
+    }
+
     /// Decides how to drive on from `pose`.
     pub fn drive(&mut self, pose: Pose2, now: SimTime, events: &mut dyn Events) -> Driving {
         let Some(target) = self.target else {

@@ -54,6 +54,17 @@ pub struct Waypoint {
 }
 
 impl Waypoint {
+    /// The same view of a wall that turned out to be elsewhere.
+    #[must_use]
+    pub fn moved(&self, by: MapPoint) -> Self {
+        let Self { place, wall, .. } = *self;
+        Self {
+            place: Pose2::new(place.x + by.x, place.y + by.y, place.yaw),
+            wall: MapPoint::new(wall.x + by.x, wall.y + by.y),
+            ..*self
+        }
+    }
+
     /// The same view from nearer, if an unmapped obstacle stands at the waypoint; `None` if it is
     /// near already.
     pub fn nearer(&self) -> Option<Self> {

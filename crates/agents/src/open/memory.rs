@@ -17,6 +17,9 @@ const MOVED_M: f64 = 0.3;
 /// An outline is moved once it is this far from where it is known to be, metres.
 const DISPLACED_M: f64 = 0.3;
 
+/// How far buildings moved, by their index: metres along x and y of `map`.
+pub type Moves = BTreeMap<usize, MapPoint>;
+
 /// The map as the agent knows it.
 #[derive(Debug)]
 pub struct Memory {
@@ -47,27 +50,32 @@ impl Memory {
         }
     }
 
-    /// Takes over where buildings are. Whether [`Memory::ground`] changed by that.
-    pub fn correct(&mut self, offsets: &[BuildingOffset]) -> bool {
-        let mut is_changed = false;
+    /// Takes over where buildings are. Gives how far which of them moved on [`Memory::ground`].
+    pub fn correct(&mut self, offsets: &[BuildingOffset]) -> Moves {
+        let mut moves = Moves::new();
         for one in offsets {
             let known = self.shifts.get(&one.building).copied().unwrap_or_default();
             let shift = MapPoint::new(one.offset.x, one.offset.y);
             if one.building < self.map.buildings.len() && shift.distance(known) > DISPLACED_M {
                 self.shifts.insert(one.building, shift);
-                is_changed = true;
+                let by = MapPoint::new(shift.x - known.x, shift.y - known.y);
+                moves.insert(one.building, by);
             }
         }
-        if is_changed {
+        if !moves.is_empty() {
             self.corrected = Some(self.map.with_buildings_moved(&self.shifts));
         }
-        is_changed
+        moves
     }
 
-    /// Forgets where buildings are: they are where the map shows them.
-    pub fn forget_corrections(&mut self) {
-        self.shifts.clear();
+    /// Forgets where buildings are: they are where the map shows them. Gives how far which of them
+    /// moved by that.
+    pub fn forget_corrections(&mut self) -> Moves {
         self.corrected = None;
+        let shifts = std::mem::take(&mut self.shifts).into_iter();
+        shifts
+            .map(|(building, shift)| (building, MapPoint::new(-shift.x, -shift.y)))
+            .collect()
     }
 
     /// The map with the buildings where they are.
@@ -173,11 +181,16 @@ mod tests {
         let mut memory = memory();
         let before = MapPoint::new(10.0, -1.0);
         assert!(!memory.ground().buildings[0].polygon.contains(before));
-        assert!(memory.correct(&two_metres_south()));
-        assert!(!memory.correct(&two_metres_south()), "it is known");
+        let south = Moves::from([(0, MapPoint::new(0.0, -2.0))]);
+        assert_eq!(memory.correct(&two_metres_south()), south);
+        assert!(
+            memory.correct(&two_metres_south()).is_empty(),
+            "it is known"
+        );
         assert!(memory.ground().buildings[0].polygon.contains(before));
         assert!(!memory.map().buildings[0].polygon.contains(before));
-        memory.forget_corrections();
+        let north = Moves::from([(0, MapPoint::new(0.0, 2.0))]);
+        assert_eq!(memory.forget_corrections(), north);
         assert!(!memory.ground().buildings[0].polygon.contains(before));
     }
 

@@ -52,6 +52,17 @@ enum Stage {
     Approach(Aim),
 }
 
+impl Stage {
+    /// The same in the words of events.
+    fn told(&self) -> openbench_core::Stage {
+        match self {
+            Self::SetOut | Self::Travel => openbench_core::Stage::Travelling,
+            Self::ToWaypoint | Self::Look(_) => openbench_core::Stage::Searching,
+            Self::Approach(_) => openbench_core::Stage::Approaching,
+        }
+    }
+}
+
 /// A door that the robot drives to.
 #[derive(Debug, Clone, PartialEq)]
 struct Aim {
@@ -195,6 +206,8 @@ pub struct Mission {
     /// What is still to do; `None` until the instruction is understood.
     queue: Option<VecDeque<PlannedDelivery>>,
     task: Option<Task>,
+    /// The stage that was reported last.
+    told: Option<openbench_core::Stage>,
     seen: Vec<Sighting>,
     last_glance: Glance,
     /// Plates that could not be read and have a waypoint.
@@ -255,6 +268,7 @@ impl Mission {
             guess: given.map_or(Guess::Missing, |_| Guess::Given),
             queue: None,
             task: None,
+            told: None,
             seen: Vec::new(),
             last_glance: Glance {
                 time: SimTime::ZERO,
@@ -325,6 +339,21 @@ impl Mission {
     }
 
     fn go_on(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
+        let action = self.decide(observation, events);
+        let stage = match &self.locating {
+            Some(_) => Some(openbench_core::Stage::Locating),
+            None => self.task.as_ref().map(|task| task.stage.told()),
+        };
+        if stage.is_some() && stage != self.told {
+            self.told = stage;
+            stage
+                .into_iter()
+                .for_each(|stage| events.record(Event::Stage(stage)));
+        }
+        action
+    }
+
+    fn decide(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         if self.is_searching() {
             return self.search(observation.time, events);
         }

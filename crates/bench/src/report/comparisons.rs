@@ -201,12 +201,20 @@ fn caption(moment: &TimedComparison) -> String {
             accepted.pose.point().distance(truth)
         ),
         (None, Some(best)) if is_finite(best.pose) => format!(
-            "{seconds:.0} s: none accepted; the best, with {:.0} %, is {:.1} m off",
+            "{seconds:.0} s: none accepted; the best, with {:.0} %, is {:.1} m off; elsewhere, or \
+             beside the map: {:.0} %",
             100.0 * best.probability,
-            best.pose.point().distance(truth)
+            best.pose.point().distance(truth),
+            100.0 * elsewhere(hypotheses)
         ),
         _ => format!("{seconds:.0} s: no place fits"),
     }
+}
+
+/// Probability that the robot is at none of the poses.
+fn elsewhere(hypotheses: &[Hypothesis]) -> f64 {
+    let at_one: f64 = hypotheses.iter().map(|one| one.probability).sum();
+    (1.0 - at_one).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@
 //! | `map` | the map of an episode, as SVG |
 //! | `public_map` | [`public_map_svg`]: a wrong public map over the world, as SVG |
 //! | `comparisons` | how the agent found itself on its map |
+//! | `stages` | what the agent did over time |
 //! | `drift` | the localization error over time |
 //! | `frames` | the camera frames in which plates were read |
 //! | `across` | means over several runs and differences between systems, as plain text |
@@ -31,6 +32,7 @@ mod input;
 mod map;
 mod public_map;
 mod reference;
+mod stages;
 mod table;
 mod terminal;
 mod tiles;
@@ -145,7 +147,8 @@ fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeRe
         escape(instruction),
     );
     plan(out, episode);
-    if let Some(result) = input.results.episodes.get(episode.episode) {
+    let result = input.results.episodes.get(episode.episode);
+    if let Some(result) = result {
         fallbacks(out, result);
     }
     if let Some(world) = input.worlds.get(episode.world) {
@@ -153,6 +156,9 @@ fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeRe
     }
     if let Some(world) = input.worlds.get(episode.world) {
         comparisons::render(out, world, &episode.comparisons);
+    }
+    if let Some(result) = result {
+        stages::render(out, &result.stages);
     }
     drift::render(out, episode);
     frames::render(out, &episode.plates);

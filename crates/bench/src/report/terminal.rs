@@ -10,6 +10,7 @@ use super::html::{interval_text, number, percent};
 use crate::plural::{count, plural};
 use crate::score::departures::departures;
 use crate::score::results::{DeliveryResult, EpisodeResult, Metrics, Results};
+use crate::score::stages::stage_sums;
 
 /// Width of a line, columns of the terminal.
 const LINE_COLUMNS: usize = 100;
@@ -52,6 +53,7 @@ pub fn terminal_table(results: &Results) -> String {
     }
     out.push('\n');
     summary(&mut out, &results.metrics);
+    stages(&mut out, results);
     health(&mut out, results);
     named(&mut out, "targets", results.targets.description());
     if let Some(doors) = results.doors {
@@ -234,6 +236,17 @@ fn summary(out: &mut String, m: &Metrics) {
     let _ = writeln!(out, "motion   {}", m.smoothness.describe(m.path_m));
     if let Some(encounters) = m.encounters {
         named(out, "traffic", &encounters.describe());
+    }
+}
+
+/// What the agent did for how long, over all episodes.
+fn stages(out: &mut String, results: &Results) {
+    let sums = stage_sums(results.episodes.iter().flat_map(|episode| &episode.stages));
+    if !sums.is_empty() {
+        let parts = sums
+            .iter()
+            .map(|(stage, seconds)| format!("{seconds:.0} s {stage}"));
+        named(out, "stages", &parts.collect::<Vec<_>>().join(", "));
     }
 }
 

@@ -312,6 +312,7 @@ fn name(deed: &Deed) -> &'static str {
     match deed {
         Deed::Refused(_) => "the refusal",
         Deed::Planned(_) => "the plan",
+        Deed::Began(_) => "a stage",
         Deed::Routed(_) => "a route",
         Deed::Estimated(..) | Deed::EstimatedAt(..) => "an estimated pose",
         Deed::Compared(_) => "what was found on the map",

@@ -23,7 +23,7 @@ use crate::image_file;
 use crate::suite::{Compute, Condition, GoalKind};
 use crate::trace::{
     Computing, Deed, EpisodeTrace, Failure, Frame, PlacedDoor, PlateRead, PoseError, Reading,
-    Smoothness, TaskOutcome, TimedComparison, TimedDeed,
+    Smoothness, TaskOutcome, TimedComparison, TimedDeed, TimedStage,
 };
 use crate::worlds::{Prepared, PreparedEpisode};
 
@@ -228,6 +228,10 @@ impl<'o> Rollout<'o> {
         let time = self.simulator.time();
         match deed {
             Deed::Planned(plan) => self.trace.plan = Some(plan.clone()),
+            Deed::Began(stage) => self.trace.stages.push(TimedStage {
+                time,
+                stage: *stage,
+            }),
             Deed::Routed(points) => self.trace.routes.push(Deed::route(points)),
             Deed::Estimated(pose, health) => {
                 self.enter_estimate(time, Deed::estimate(*pose, *health));

@@ -14,6 +14,7 @@ use crate::score::metrics::{
     paper_success, score_doors,
 };
 use crate::score::results::{ComputingSum, DeliveryResult, EpisodeResult};
+use crate::score::stages::stage_spans;
 use crate::score::statistics::Proportion;
 use crate::suite::Condition;
 use crate::trace::{EpisodeTrace, Failure, PlacedDoor, TaskOutcome};
@@ -156,6 +157,7 @@ pub fn score_episodes(prepared: &Prepared, traces: &[EpisodeTrace]) -> Vec<Episo
             localization: localization([&trace.pose_errors[..]].into_iter()),
             start: trace.start.filter(|_| !is_told_exactly),
             health: health_spans(&trace.pose_errors),
+            stages: stage_spans(&trace.stages, trace.sim_seconds),
             computing: trace.computing.as_ref().map(ComputingSum::from),
         })
         .collect()

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `deliveries` | from an episode's trace to the results of its deliveries |
 //! | [`health`] | the agent's reports on its own pose over time |
+//! | [`stages`] | what the agent did over time |
 //! | [`departures`] | in what a run departs from the defaults |
 //! | [`metrics`] | the metrics, as functions of plain values |
 //! | [`statistics`] | confidence intervals |
@@ -20,6 +21,7 @@ pub mod health;
 pub mod metrics;
 pub mod provenance;
 pub mod results;
+pub mod stages;
 pub mod statistics;
 
 pub use results::Results;

@@ -22,6 +22,7 @@ use crate::error::ResultsError;
 use crate::score::health::HealthSpan;
 use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum};
 use crate::score::provenance::{Provenance, Setting};
+use crate::score::stages::StageSpan;
 use crate::suite::split::Split;
 use crate::suite::{Conditions, GoalKind, Sensors, TargetSource};
 use crate::trace::{Computing, SmoothnessSum};
@@ -176,6 +177,9 @@ pub struct EpisodeResult {
     pub start: Option<Start>,
     /// The agent's reports on its own pose, in spans of equal health.
     pub health: Vec<HealthSpan>,
+    /// What the agent did about its deliveries, one stage after another; absent if it did not say.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<StageSpan>,
     /// What computing cost; absent if it was free.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub computing: Option<ComputingSum>,

@@ -2,7 +2,7 @@
 
 use openbench_core::{
     AcceptedPose, Address, Event, GiveUp, Health, Hypothesis, MapComparison, MapPoint, ModelUse,
-    PlaceScores, Plan, Pose2, PoseEstimate,
+    PlaceScores, Plan, Pose2, PoseEstimate, Stage,
 };
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -67,6 +67,8 @@ pub enum Deed {
     Refused(GiveUp),
     /// It made a plan.
     Planned(Plan),
+    /// What it did from then on.
+    Began(Stage),
     /// It planned a route over roads, points in `map`.
     Routed(Vec<Point>),
     /// It estimated its pose: x, y in metres, yaw in radians.
@@ -224,6 +226,7 @@ impl Deed {
     pub fn of(event: &Event) -> Option<Self> {
         Some(match event {
             Event::Plan(plan) => Self::Planned(plan.clone()),
+            Event::Stage(stage) => Self::Began(*stage),
             Event::Route(points) => Self::Routed(points.iter().map(|p| point(*p)).collect()),
             Event::PoseEstimate(PoseEstimate { pose, health }) => {
                 Self::Estimated([pose.x, pose.y, pose.yaw].map(Number::new), *health)

@@ -16,8 +16,8 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use openbench_core::{
-    Address, FailureCause, GiveUp, MapComparison, MapPoint, ModelUse, Plan, Pose2, SimTime, Start,
-    Velocity,
+    Address, FailureCause, GiveUp, MapComparison, MapPoint, ModelUse, Plan, Pose2, SimTime, Stage,
+    Start, Velocity,
 };
 use openbench_scene::SemanticClass;
 use openbench_sim::Collision;
@@ -127,6 +127,15 @@ pub struct TimedComparison {
     pub found: MapComparison,
 }
 
+/// What an agent did from a time on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimedStage {
+    /// Time of the event.
+    pub time: SimTime,
+    /// What it did.
+    pub stage: Stage,
+}
+
 /// A plate that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlateRead {
@@ -169,6 +178,8 @@ pub struct EpisodeTrace {
     pub pose_errors: Vec<PoseError>,
     /// What the agent found when it looked for itself on its map.
     pub comparisons: Vec<TimedComparison>,
+    /// What the agent did about its deliveries, one stage after another.
+    pub stages: Vec<TimedStage>,
     /// Routes planned by the agent.
     pub routes: Vec<Vec<MapPoint>>,
     /// Doors that the agent wrote into its map.

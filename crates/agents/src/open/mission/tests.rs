@@ -2,10 +2,12 @@
 
 use std::sync::{Arc, Mutex};
 
+use nalgebra::Vector2;
 use openbench_core::{
     Camera, Discard, Georeference, Health, Image, LonLat, Plan, Pose2, Start, Step,
 };
 use openbench_localization::Localizer;
+use openbench_localization::registration::BuildingOffset;
 use openbench_models::{ChatError, Meter};
 use openbench_motion::costmap::Preferences;
 use openbench_motion::follower;
@@ -105,12 +107,15 @@ struct Said {
     is_presumed: bool,
     /// How far the robot turned out to be from its start, metres.
     away: f64,
+    /// How far east of its place on the map the house turned out to be, metres.
+    house_off: f64,
 }
 
 /// Stands at the start, and is what a test says.
 struct Standing {
     start: Pose2,
     away: f64,
+    offsets: Vec<BuildingOffset>,
     said: Arc<Mutex<Said>>,
 }
 
@@ -124,7 +129,16 @@ impl Localizer for Standing {
     }
 
     fn update(&mut self, _: &Observation<'_>) {
-        self.away = self.said.lock().unwrap().away;
+        let said = *self.said.lock().unwrap();
+        self.away = said.away;
+        self.offsets = vec![BuildingOffset {
+            building: 0,
+            offset: Vector2::new(said.house_off, 0.0),
+        }];
+    }
+
+    fn building_offsets(&self) -> &[BuildingOffset] {
+        &self.offsets
     }
 
     fn pose_at(&self, _: SimTime) -> Pose2 {
@@ -189,6 +203,7 @@ fn begun(
         is_located,
         is_presumed: false,
         away: 0.0,
+        house_off: 0.0,
     }));
     let shared = said.clone();
     let parts = Parts {
@@ -198,6 +213,7 @@ fn begun(
             Box::new(Standing {
                 start: Pose2::default(),
                 away: 0.0,
+                offsets: Vec::new(),
                 said: shared.clone(),
             })
         }),
@@ -312,10 +328,21 @@ fn a_robot_that_does_not_know_where_it_is_searches_before_it_plans() {
         assert!(matches!(action, Action::Drive(_)), "{action:?}");
     }
     assert!(mission.locating.is_some() && mission.task.is_none());
-    assert!(matches!(&events[..], [Event::Note(_)]), "{events:?}");
+    let locating = Event::Stage(openbench_core::Stage::Locating);
+    assert!(
+        matches!(&events[..], [Event::Note(_), stage] if *stage == locating),
+        "{events:?}"
+    );
     said.lock().unwrap().is_located = true;
-    act(&mut mission, 3050, &Shutter(true));
+    events.clear();
+    mission.act(&observation(3050, &Shutter(true)), &mut events);
     assert!(mission.locating.is_none() && mission.task.is_some());
+    // Without a road it looks for the door at once.
+    let now = Event::Stage(openbench_core::Stage::Searching);
+    assert!(
+        events.contains(&now) && !events.contains(&locating),
+        "{events:?}"
+    );
 }
 
 #[test]
@@ -415,6 +442,87 @@ fn a_door_that_was_seen_moves_when_the_pose_is_corrected() {
     let moved = aim(&mission);
     assert!((moved.door.position.x + 0.55).abs() < 1e-9);
     assert!(moved.then.x < -0.2, "{}", moved.then);
+}
+
+/// A mission on its way to look at the door of the map, from a place in front of it, and what its
+/// localizer says.
+fn checking() -> (Mission, Arc<Mutex<Said>>) {
+    let address = Address::new("building1", "unit1");
+    let (mut mission, said) = mission(std::slice::from_ref(&address));
+    let task = Task::new(address, 0, Some(door("unit1", 1.0)));
+    let Next::GoOn(task, _) = mission.check_door(task, &door("unit1", 1.0)) else {
+        panic!("on its way")
+    };
+    mission.task = Some(*task);
+    (mission, said)
+}
+
+#[test]
+fn the_robot_drives_where_a_building_is_and_not_where_the_map_shows_it() {
+    let (mut mission, said) = checking();
+    let in_wall_on_map = MapPoint::new(0.5, 3.0);
+    let is_blocked = |mission: &Mission| {
+        let near = mission.driver.terrain().near();
+        near.is_obstacle(near.grid().cell_at(in_wall_on_map).unwrap())
+    };
+    assert!(is_blocked(&mission));
+    said.lock().unwrap().house_off = 4.0;
+    act(&mut mission, 50, &Shutter(false));
+    assert!(!is_blocked(&mission));
+    // Places to look from are before its walls.
+    let mut task = mission.task.take().unwrap();
+    (task.expected, task.stage) = (None, Stage::Travel);
+    let Next::GoOn(task, _) = mission.next_waypoint(task, &mut Discard) else {
+        panic!("on its way")
+    };
+    let west = task.place.unwrap().wall;
+    assert!((west.x - 4.0).abs() < 0.1, "{west}");
+}
+
+#[test]
+fn what_only_the_map_says_of_a_delivery_moves_with_its_building() {
+    let (mut mission, said) = checking();
+    assert_eq!(mission.driver.target().unwrap().point.x, -CHECK_DISTANCE_M);
+    said.lock().unwrap().house_off = 4.0;
+    act(&mut mission, 50, &Shutter(false));
+    let expected = mission.task.as_ref().unwrap().expected.clone();
+    assert_eq!(expected.unwrap().position, MapPoint::new(4.0, 3.0));
+    let target = mission.driver.target().unwrap().point;
+    assert_eq!(target.x, 4.0 - CHECK_DISTANCE_M);
+    // The robot is at the door, and it is a metre beside.
+    let task = mission.task.take().unwrap();
+    let on_map = task.expected.clone().unwrap();
+    let Next::GoOn(task, _) = mission.approach(task, on_map) else {
+        panic!("on its way")
+    };
+    mission.task = Some(*task);
+    let step = mission.driver.target().unwrap().point;
+    said.lock().unwrap().house_off = 5.0;
+    act(&mut mission, 100, &Shutter(false));
+    let target = mission.driver.target().unwrap().point;
+    assert!(target.x > step.x + 0.3, "{target} {step}");
+    // It is where the map shows it again, once that is forgotten.
+    let mut task = mission.task.take().unwrap();
+    task.expected = Some(Sighting {
+        position: MapPoint::new(5.0, 3.0),
+        ..door("unit1", 1.0)
+    });
+    mission.task = Some(task);
+    mission.begin_anew();
+    let expected = mission.task.unwrap().expected.unwrap();
+    assert_eq!(expected.position, MapPoint::new(0.0, 3.0));
+}
+
+#[test]
+fn a_door_that_was_seen_stays_when_its_building_moves_on_the_map() {
+    let (mut mission, said) = checking();
+    mission.seen.push(door("unit1", 1.0));
+    said.lock().unwrap().house_off = 1.0;
+    act(&mut mission, 50, &Shutter(false));
+    let task = mission.task.as_ref().unwrap();
+    assert_eq!(task.expected, Some(door("unit1", 1.0)));
+    let target = mission.driver.target().unwrap().point;
+    assert_eq!(target.x, -CHECK_DISTANCE_M);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use openbench_osm::{OsmData, OsmMap};
 use openbench_routing::Router;
 
 use crate::open::locating::{Limit, Locating, Search};
+use crate::open::memory::Moves;
 use crate::open::senses::{Correction, Finding, Sensed};
 use crate::open::sighting::{self, Sighting};
 use crate::open::terrain::Terrain;
@@ -46,8 +47,10 @@ impl Mission {
                 events.record(Event::PoseEstimate(self.senses.estimate()));
             }
         }
-        if self.memory.correct(self.senses.building_offsets()) {
+        let moves = self.memory.correct(self.senses.building_offsets());
+        if !moves.is_empty() {
             self.driver.set_map(self.memory.ground().clone());
+            self.move_with_building(&moves);
             self.tell_buildings();
         }
         self.senses.announce(events);
@@ -63,6 +66,29 @@ impl Mission {
         let plates = self.unreadable.iter_mut();
         for plate in plates.chain(&mut self.uncertain_plates) {
             *plate = by.point(*plate);
+        }
+    }
+
+    /// Moves what is known of the delivery by its building alone: the door of the map, the places
+    /// to look from, and the target that is one of them.
+    fn move_with_building(&mut self, moves: &Moves) {
+        let Some(task) = &mut self.task else { return };
+        let Some(&by) = moves.get(&task.building) else {
+            return;
+        };
+        let is_seen = |door: &Sighting| self.seen.contains(door);
+        let knows_place =
+            task.place.is_some() || task.expected.as_ref().is_some_and(|d| !is_seen(d));
+        if task.stage == Stage::ToWaypoint && knows_place {
+            self.driver.move_target(by);
+        }
+        for door in task.doors_mut().filter(|door| !is_seen(door)) {
+            let at = door.position;
+            door.position = MapPoint::new(at.x + by.x, at.y + by.y);
+        }
+        // Those before plates too, although plates stay: they are looked at from some metres.
+        for waypoint in task.waypoints.iter_mut().chain(&mut task.place) {
+            *waypoint = waypoint.moved(by);
         }
     }
 
@@ -108,10 +134,11 @@ impl Mission {
     }
 
     /// Forgets obstacles that were seen elsewhere, and sets out again from here.
-    fn begin_anew(&mut self) {
-        self.memory.forget_corrections();
+    pub(super) fn begin_anew(&mut self) {
+        let moves = self.memory.forget_corrections();
         self.driver.set_map(self.memory.ground().clone());
         self.driver.forget_seen(self.senses.pose().point());
+        self.move_with_building(&moves);
         self.tell_buildings();
         if let Some(task) = &mut self.task {
             (task.stage, task.place) = (Stage::SetOut, None);

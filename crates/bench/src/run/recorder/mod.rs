@@ -266,6 +266,7 @@ impl Recorder {
                 time,
                 &StringMessage(serde_json::to_string(plan).unwrap_or_default()),
             ),
+            Event::Stage(stage) => log.write("/stage", time, &StringMessage(stage.to_string())),
             Event::Task(address) => log.write("/task", time, &StringMessage(address.to_string())),
             Event::Route(points) => log.write("/route", time, &PathMessage::over(header(), points)),
             Event::Path(points) => log.write("/path", time, &PathMessage::over(header(), points)),

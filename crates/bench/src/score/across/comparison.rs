@@ -426,6 +426,7 @@ mod tests {
             localization: None,
             start: None,
             health: vec![],
+            stages: vec![],
             computing: None,
         };
         let planned = |plans: [Option<bool>; 2]| {
