@@ -120,6 +120,7 @@ impl Border {
         MapComparison {
             hypotheses: hypotheses.collect(),
             accepted,
+            is_refused: comparison.is_refused,
             facades: facades.map(|at| self.outwards(at)).collect(),
             places,
         }
@@ -220,6 +221,7 @@ mod tests {
                     probability: 0.9,
                 }],
                 accepted: Some(AcceptedPose { pose, covariance }),
+                is_refused: true,
                 facades: vec![MapPoint::new(7.0, 8.0)],
                 places: Some(places(MapPoint::new(-9.0, 4.0))),
             }));
@@ -230,6 +232,7 @@ mod tests {
                 probability: 0.9,
             }],
             accepted: Some(AcceptedPose { pose, covariance }),
+            is_refused: true,
             facades: vec![MapPoint::new(5007.0, -292.0)],
             places: Some(places(MapPoint::new(4991.0, -296.0))),
         };

@@ -188,7 +188,18 @@ fn a_robot_finds_itself_alike_on_any_number_of_threads_and_on_kept_drives() {
         .json();
     assert_eq!((&first["n"], &first["level"]), (&1.into(), &"good".into()));
     assert_eq!(first["worlds"]["small"]["recall"], first["recall"]);
-    assert!(first["recall"]["60m"]["3"].as_f64().is_some());
+    let keys = |value: &serde_json::Value| -> Vec<String> {
+        let object = value.as_object().into_iter().flatten();
+        object.map(|(key, _)| key.clone()).collect()
+    };
+    assert_eq!(keys(&first["recall"]), ["0m", "20m", "40m", "60m"]);
+    assert_eq!(keys(&first["recall"]["60m"]), ["0.5", "1", "3", "5"]);
+    assert_eq!(keys(&first["yaw"]), ["1", "2", "5"]);
+    assert_eq!(keys(&first["wall_relative"]), ["0.3", "0.5"]);
+    for field in ["accepted", "find_ms_p50", "find_ms_p99"] {
+        assert!(first[field].as_f64().is_some(), "{field}");
+    }
+    assert_eq!(first["wrong_5m"], 0);
     assert_eq!(first["rejected_off_map"], serde_json::Value::Null);
     for options in ["--drives kept", "--jobs 2"] {
         let again = place
@@ -199,6 +210,27 @@ fn a_robot_finds_itself_alike_on_any_number_of_threads_and_on_kept_drives() {
             assert_eq!(again[field], first[field], "{field} {options}");
         }
     }
+    let beside = place
+        .openbench(
+            "bench localization small --start off --beside small-7 --poses 1 --json \
+             --drives kept --peers",
+        )
+        .succeeded()
+        .json();
+    assert_eq!(beside["rejected_off_map"], 1.0);
+    assert_eq!(keys(&beside["peers"]), ["icp", "odometry", "particles"]);
+    assert_eq!(
+        beside["peers"]["particles"]["rejected_off_map"],
+        serde_json::Value::Null
+    );
+    let anywhere = place
+        .openbench("bench localization small --start map --poses 1 --json --drives kept")
+        .succeeded()
+        .json();
+    assert_eq!(
+        (&anywhere["n"], &anywhere["start"]),
+        (&1.into(), &"map".into())
+    );
     let truth = place
         .openbench(&format!(
             "{command} --drives kept --labels truth --without free-space --odometry-drift 0.01"

@@ -41,6 +41,8 @@ pub struct MapComparison {
     pub hypotheses: Vec<Hypothesis>,
     /// The pose that it goes by; `None` if none is certain enough.
     pub accepted: Option<AcceptedPose>,
+    /// Whether what it saw did not confirm that pose, which it goes by all the same.
+    pub is_refused: bool,
     /// Some of the facades that it saw, where they are in `map` if it has the accepted pose, or
     /// else the most probable one.
     pub facades: Vec<MapPoint>,

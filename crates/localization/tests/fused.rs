@@ -274,3 +274,45 @@ fn a_fix_that_contains_nan_changes_nothing() {
     let Shown { jump, pending } = trial.drive(5.0, |_| Vector2::new(f64::NAN, 0.0));
     assert!(jump < 1e-9 && pending < 1e-9 && trial.error() < 0.05);
 }
+
+/// A source that finds the robot again, and counts how often it had to search anew.
+struct Searcher(Rc<Cell<usize>>);
+
+impl FixSource for Searcher {
+    fn name(&self) -> &str {
+        "searcher"
+    }
+
+    fn reset(&mut self) {}
+
+    fn finds(&self) -> bool {
+        true
+    }
+
+    fn lose(&mut self) {
+        self.0.set(self.0.get() + 1);
+    }
+
+    fn update(&mut self, _: &Observation<'_>, _: Pose2, _: &dyn Track) -> Option<Fix> {
+        None
+    }
+}
+
+#[test]
+fn a_robot_that_sees_nothing_for_long_is_searched_anew_once() {
+    let searches = Rc::new(Cell::new(0));
+    let source = Box::new(Searcher(searches.clone()));
+    let mut localizer = Fused::new(RobotDescription::sentry(), vec![source]);
+    localizer.reset(Pose2::default());
+    let mut robot = Robot::at(Pose2::default());
+    robot.drive(&mut localizer, 0.0, 0.0, 2.0);
+    robot.drive(&mut localizer, 0.5, 0.0, 10.0);
+    assert!(localizer.is_located() && searches.get() == 0);
+    // It has no scans: its pose follows wheels and IMU, until it is of no use.
+    while searches.get() == 0 && robot.time.seconds() < 3600.0 {
+        robot.drive(&mut localizer, 0.5, 0.0, 1.0);
+    }
+    assert_eq!((searches.get(), localizer.is_located()), (1, false));
+    robot.drive(&mut localizer, 0.5, 0.0, 5.0);
+    assert_eq!(searches.get(), 1);
+}

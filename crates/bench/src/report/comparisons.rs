@@ -193,11 +193,17 @@ fn caption(moment: &TimedComparison) -> String {
     let MapComparison {
         hypotheses,
         accepted,
+        is_refused,
         ..
     } = &moment.found;
     match (accepted, hypotheses.first()) {
         (Some(accepted), _) if is_finite(accepted.pose) => format!(
-            "{seconds:.0} s: accepted, {:.1} m off",
+            "{seconds:.0} s: {}, {:.1} m off",
+            if *is_refused {
+                "accepted before, and not confirmed"
+            } else {
+                "accepted"
+            },
             accepted.pose.point().distance(truth)
         ),
         (None, Some(best)) if is_finite(best.pose) => format!(
@@ -234,6 +240,7 @@ mod tests {
                     pose,
                     covariance: [[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.01]],
                 }),
+                is_refused: false,
                 facades: Vec::new(),
                 places: None,
             },

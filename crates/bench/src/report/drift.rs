@@ -57,8 +57,8 @@ pub fn render(out: &mut String, episode: &EpisodeReport) {
         if episode.comparisons.is_empty() {
             ""
         } else {
-            " Marks below the axis: comparisons with the map after which a pose was accepted, \
-             and, paler, none."
+            " Marks below the axis: comparisons with the map that accepted or confirmed a pose, \
+             and, paler, those that did not."
         },
     );
 }
@@ -111,7 +111,7 @@ impl Axes {
 /// Marks the comparisons with the map, below the axis of time.
 fn mark_comparisons(out: &mut String, comparisons: &[TimedComparison], axes: Axes) {
     for one in comparisons {
-        let class = if one.found.accepted.is_some() {
+        let class = if one.found.accepted.is_some() && !one.found.is_refused {
             "accepted"
         } else {
             "refused"
@@ -197,7 +197,7 @@ fn metres(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use openbench_core::{Pose2, PoseEstimate, SimTime};
+    use openbench_core::{AcceptedPose, MapComparison, Pose2, PoseEstimate, SimTime};
 
     fn errors(count: u64, metres: f64) -> Vec<PoseError> {
         let estimated = |i: u64| Pose2::new(metres * i as f64 / count as f64, 0.0, 0.0);
@@ -232,6 +232,34 @@ mod tests {
             out.contains("maximum 30.0 cm") && out.contains(">50.0 cm<") && out.contains("3000 s"),
             "{out}"
         );
+    }
+
+    #[test]
+    fn comparisons_that_did_not_confirm_a_pose_are_marked_as_refused() {
+        let compared = |accepted: bool, is_refused: bool| TimedComparison {
+            time: SimTime::from_millis(100),
+            truth: Pose2::default(),
+            found: MapComparison {
+                accepted: accepted.then(|| AcceptedPose {
+                    pose: Pose2::default(),
+                    covariance: [[0.0; 3]; 3],
+                }),
+                is_refused,
+                ..MapComparison::default()
+            },
+        };
+        let episode = EpisodeReport {
+            comparisons: vec![
+                compared(true, false),
+                compared(true, true),
+                compared(false, false),
+            ],
+            ..drive(errors(3, 0.1))
+        };
+        let mut out = String::new();
+        render(&mut out, &episode);
+        let count = |class: &str| out.matches(&format!("class=\"{class}\"")).count();
+        assert_eq!((count("accepted"), count("refused")), (1, 2), "{out}");
     }
 
     #[test]

@@ -99,6 +99,9 @@ pub struct Comparison {
     pub hypotheses: Vec<[Number; 4]>,
     /// The pose that it goes by.
     pub accepted: Option<Accepted>,
+    /// Whether what it saw did not confirm that pose.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub refused: bool,
     /// Facades that it saw, in whole centimetres.
     pub facades: Vec<[i64; 2]>,
     /// How well all places fit, while it does not know where it is.
@@ -164,6 +167,7 @@ impl Comparison {
                 pose: [own.pose.x, own.pose.y, own.pose.yaw].map(Number::new),
                 covariance: own.covariance.map(|row| row.map(Number::new)),
             }),
+            refused: comparison.is_refused,
             facades: comparison
                 .facades
                 .iter()
@@ -189,6 +193,7 @@ impl Comparison {
                 pose: pose(own.pose),
                 covariance: own.covariance.map(|row| row.map(Number::value)),
             }),
+            is_refused: self.refused,
             facades: facades
                 .map(|at| MapPoint::new(metres(at[0]), metres(at[1])))
                 .collect(),
@@ -320,6 +325,7 @@ mod tests {
                 pose: Pose2::new(1.0, 2.0, 3.0),
                 covariance: [[0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.3]],
             }),
+            is_refused: true,
             facades: vec![MapPoint::new(1.234, -5.678), MapPoint::new(f64::NAN, 0.0)],
             places: Some(PlaceScores {
                 origin: MapPoint::new(-0.3, 1e6),
@@ -336,6 +342,7 @@ mod tests {
         assert_eq!(deed, Deed::Compared(again.clone()));
         let again = again.reported();
         assert_eq!(again.accepted, found.accepted);
+        assert!(again.is_refused);
         assert_eq!(again.places, found.places);
         assert_eq!(again.facades, [MapPoint::new(1.23, -5.68)]);
         assert!(again.hypotheses[0].pose.y.is_nan());

@@ -82,6 +82,8 @@ pub struct Locator {
     judgement: Judgement,
     /// The accepted pose by all fixes so far; `None` if the robot is not localized.
     estimate: Option<Estimate>,
+    /// Whether what was seen last did not confirm it.
+    is_refused: bool,
     /// What to go on with until a pose is accepted.
     presumed: Option<Estimate>,
     doubts: usize,
@@ -136,6 +138,7 @@ impl Locator {
             places: None,
             judgement: Judgement::default(),
             estimate: None,
+            is_refused: false,
             presumed: None,
             doubts: 0,
             lost: None,
@@ -187,6 +190,7 @@ impl Locator {
         MapComparison {
             hypotheses,
             accepted,
+            is_refused: self.is_refused,
             facades: seen.collect(),
             places: self.places.clone(),
         }
@@ -285,10 +289,13 @@ impl Locator {
         let places = distinct(&self.candidates).into_iter();
         let bank = places.map(|located| Hypothesis::found(located, here, driven_m, earlier));
         self.bank = bank.collect();
-        let measured = match self.estimate.take() {
+        let known = self.estimate.take();
+        let was_located = known.is_some();
+        let measured = match known {
             None => self.find(here),
             Some(known) => self.follow(known.carried(here, drift), newest),
         };
+        self.is_refused = was_located && measured.is_none();
         self.presume(here);
         measured
     }
@@ -638,6 +645,17 @@ mod tests {
 
     #[test]
     fn a_robot_that_was_carried_away_notices() {
+        let (mut locator, there) = carried_away();
+        assert!(!locator.comparison().is_refused);
+        let mut doubts = 0;
+        for stretch in &there {
+            locator.take(stretch.clone());
+            if locator.is_lost() {
+                break;
+            }
+            doubts += usize::from(locator.comparison().is_refused);
+        }
+        assert!(doubts >= DOUBTS - 1, "{doubts}");
         let (mut locator, there) = carried_away();
         let stretches = notices(&mut locator, there);
         assert!(

@@ -246,6 +246,15 @@ mod tests {
     }
 
     #[test]
+    fn no_start_is_known_better_than_to_three_metres_and_three_degrees() {
+        let exact = given(Pose2::default(), 0.0, 0.0).deviation();
+        assert!((exact.metres - 3.0).abs() < 1e-9, "{exact:?}");
+        assert!((exact.radians.to_degrees() - 3.0).abs() < 1e-9, "{exact:?}");
+        let worse = given(Pose2::default(), 4.0, 0.0).deviation();
+        assert!((worse.metres - 5.0).abs() < 1e-9, "{worse:?}");
+    }
+
+    #[test]
     fn drift_widens_what_is_known() {
         let far = Pose2::new(200.0, 0.0, 0.0);
         let start = given(Pose2::default(), 0.0, 0.0);

@@ -187,6 +187,15 @@ mod tests {
     }
 
     #[test]
+    fn a_start_is_known_to_the_graph_as_it_is_to_the_search() {
+        let map = Arc::new(map(&village(7)));
+        let lidar = Pose3::translation(0.0, 0.0, SENSOR_M);
+        let registrar = Registrar::new(map, Start::exact(Pose2::default()), lidar);
+        let known = registrar.start_deviation().expect("it is known");
+        assert!((known.metres - 3.0).abs() < 1e-9, "{known:?}");
+    }
+
+    #[test]
     fn fixes_are_where_the_robot_is_and_the_same_after_a_reset() {
         let start = Start::exact(Pose2::new(-41.0, 51.0, 0.03));
         let lidar = Pose3::translation(0.0, 0.0, SENSOR_M);
