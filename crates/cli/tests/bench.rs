@@ -178,38 +178,23 @@ fn metres_among_people_are_driven_alike_on_any_number_of_threads() {
         .refused_with(&["nowhere"]);
 }
 
-#[test]
-fn a_robot_finds_itself_alike_on_any_number_of_threads_and_on_kept_drives() {
-    let place = Place::new();
-    let command = "bench localization small --start block --poses 1 --json";
-    let first = place
-        .openbench(&format!("{command} --drives kept"))
-        .succeeded()
-        .json();
-    assert_eq!((&first["n"], &first["level"]), (&1.into(), &"good".into()));
-    assert_eq!(first["worlds"]["small"]["recall"], first["recall"]);
-    let keys = |value: &serde_json::Value| -> Vec<String> {
-        let object = value.as_object().into_iter().flatten();
-        object.map(|(key, _)| key.clone()).collect()
-    };
-    assert_eq!(keys(&first["recall"]), ["0m", "20m", "40m", "60m"]);
-    assert_eq!(keys(&first["recall"]["60m"]), ["0.5", "1", "3", "5"]);
-    assert_eq!(keys(&first["yaw"]), ["1", "2", "5"]);
-    assert_eq!(keys(&first["wall_relative"]), ["0.3", "0.5"]);
+fn keys(value: &serde_json::Value) -> Vec<String> {
+    let object = value.as_object().into_iter().flatten();
+    object.map(|(key, _)| key.clone()).collect()
+}
+
+fn has_the_fields_of_a_report(report: &serde_json::Value) {
+    assert_eq!(keys(&report["recall"]), ["0m", "20m", "40m", "60m"]);
+    assert_eq!(keys(&report["recall"]["60m"]), ["0.5", "1", "3", "5"]);
+    assert_eq!(keys(&report["yaw"]), ["1", "2", "5"]);
+    assert_eq!(keys(&report["wall_relative"]), ["0.3", "0.5"]);
     for field in ["accepted", "find_ms_p50", "find_ms_p99"] {
-        assert!(first[field].as_f64().is_some(), "{field}");
+        assert!(report[field].as_f64().is_some(), "{field}");
     }
-    assert_eq!(first["wrong_5m"], 0);
-    assert_eq!(first["rejected_off_map"], serde_json::Value::Null);
-    for options in ["--drives kept", "--jobs 2"] {
-        let again = place
-            .openbench(&format!("{command} {options}"))
-            .succeeded()
-            .json();
-        for field in ["recall", "fixes", "nees_mean", "wall_relative"] {
-            assert_eq!(again[field], first[field], "{field} {options}");
-        }
-    }
+}
+
+/// On the drives that a place keeps.
+fn beside_the_map_it_is_rejected_and_anywhere_it_is_tried(place: &Place) {
     let beside = place
         .openbench(
             "bench localization small --start off --beside small-7 --poses 1 --json \
@@ -231,6 +216,31 @@ fn a_robot_finds_itself_alike_on_any_number_of_threads_and_on_kept_drives() {
         (&anywhere["n"], &anywhere["start"]),
         (&1.into(), &"map".into())
     );
+}
+
+#[test]
+fn a_robot_finds_itself_alike_on_any_number_of_threads_and_on_kept_drives() {
+    let place = Place::new();
+    let command = "bench localization small --start block --poses 1 --json";
+    let first = place
+        .openbench(&format!("{command} --drives kept"))
+        .succeeded()
+        .json();
+    assert_eq!((&first["n"], &first["level"]), (&1.into(), &"good".into()));
+    assert_eq!(first["worlds"]["small"]["recall"], first["recall"]);
+    has_the_fields_of_a_report(&first);
+    assert_eq!(first["wrong_5m"], 0);
+    assert_eq!(first["rejected_off_map"], serde_json::Value::Null);
+    for options in ["--drives kept", "--jobs 2"] {
+        let again = place
+            .openbench(&format!("{command} {options}"))
+            .succeeded()
+            .json();
+        for field in ["recall", "fixes", "nees_mean", "wall_relative"] {
+            assert_eq!(again[field], first[field], "{field} {options}");
+        }
+    }
+    beside_the_map_it_is_rejected_and_anywhere_it_is_tried(&place);
     let truth = place
         .openbench(&format!(
             "{command} --drives kept --labels truth --without free-space --odometry-drift 0.01"

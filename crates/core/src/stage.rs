@@ -31,9 +31,9 @@ impl Stage {
 impl fmt::Display for Stage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Locating => "finds out where it is",
+            Self::Locating => "finding out where it is",
             Self::Travelling => "on the way to the building",
-            Self::Searching => "looks for the door",
+            Self::Searching => "looking for the door",
             Self::Approaching => "on the way to the door",
         })
     }

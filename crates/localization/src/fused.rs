@@ -402,15 +402,20 @@ impl Localizer for Fused {
     }
 
     fn building_offsets(&self) -> &[BuildingOffset] {
-        let all = self.sources.iter().map(|source| match self.is_presumed {
-            true => source.presumed_offsets(),
-            // Not those of a presumption: a start that is known well is not given up for one.
-            false if self.is_located => source.building_offsets(),
-            false => &[],
-        });
-        all.into_iter()
-            .find(|offsets| !offsets.is_empty())
-            .unwrap_or_default()
+        for source in &self.sources {
+            let offsets = if self.is_presumed {
+                source.presumed_offsets()
+            } else if self.is_located {
+                // Not those of a presumption: a start that is known well is not given up for one.
+                source.building_offsets()
+            } else {
+                &[]
+            };
+            if !offsets.is_empty() {
+                return offsets;
+            }
+        }
+        &[]
     }
 
     fn pending(&self) -> f64 {

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
-    PlannedDelivery, Pose2, RobotDescription, SimTime, Velocity, Work, with_causes,
+    PlannedDelivery, Pose2, RobotDescription, SimTime, Stage as ReportedStage, Velocity, Work,
+    with_causes,
 };
 use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_motion::local::{PlannerEntry, make_planner};
@@ -26,7 +27,10 @@ use crate::open::sighting::Sighting;
 use crate::open::terrain::Terrain;
 
 mod looking;
+mod task;
 mod whereabouts;
+
+use task::{Aim, Stage, Task};
 
 /// Distances of waypoints from the wall: all at the first, then all at the next.
 const STANDOFFS_M: [f64; 3] = [4.0, 5.5, 2.6];
@@ -36,97 +40,6 @@ const CHECK_DISTANCE_M: f64 = 3.6;
 const NEARBY_M: f64 = 2.0;
 /// A road route is taken if it is at most this many times as long as the straight line.
 const DETOUR_FACTOR: f64 = 1.3;
-
-/// What the robot is doing about the current delivery.
-#[derive(Debug, Clone, PartialEq)]
-enum Stage {
-    /// About to drive.
-    SetOut,
-    /// Driving along the road towards the building.
-    Travel,
-    /// Driving to a waypoint.
-    ToWaypoint,
-    /// Standing at a waypoint since this instant, to look.
-    Look(SimTime),
-    /// Driving to the door.
-    Approach(Aim),
-}
-
-impl Stage {
-    /// The same in the words of events.
-    fn told(&self) -> openbench_core::Stage {
-        match self {
-            Self::SetOut | Self::Travel => openbench_core::Stage::Travelling,
-            Self::ToWaypoint | Self::Look(_) => openbench_core::Stage::Searching,
-            Self::Approach(_) => openbench_core::Stage::Approaching,
-        }
-    }
-}
-
-/// A door that the robot drives to.
-#[derive(Debug, Clone, PartialEq)]
-struct Aim {
-    door: Sighting,
-    /// Where the door was thought to be when the robot set out for its doorstep.
-    then: MapPoint,
-}
-
-impl Aim {
-    fn new(door: Sighting) -> Self {
-        Self {
-            then: door.position,
-            door,
-        }
-    }
-}
-
-/// The current delivery.
-struct Task {
-    address: Address,
-    building: usize,
-    stage: Stage,
-    /// Waypoints that were not visited yet.
-    waypoints: Vec<Waypoint>,
-    /// The waypoint that the robot is at or drives to.
-    place: Option<Waypoint>,
-    /// How often all waypoints were visited.
-    round: usize,
-    /// Whether any waypoint was reached.
-    looked: bool,
-    /// The door as map or memory have it, trusted if its plate cannot be read there.
-    expected: Option<Sighting>,
-    /// Least distance of the next doorstep from the plate, metres.
-    doorstep: f64,
-    /// Whether the robot resorts to a door that seemed to be of the building beside it.
-    is_last_resort: bool,
-}
-
-impl Task {
-    /// A delivery at its beginning.
-    fn new(address: Address, building: usize, expected: Option<Sighting>) -> Self {
-        Self {
-            address,
-            building,
-            stage: Stage::SetOut,
-            waypoints: Vec::new(),
-            place: None,
-            round: 0,
-            looked: false,
-            expected,
-            doorstep: doorstep::NEAREST_M,
-            is_last_resort: false,
-        }
-    }
-
-    /// The doors that the delivery is about.
-    fn doors_mut(&mut self) -> impl Iterator<Item = &mut Sighting> {
-        let aim = match &mut self.stage {
-            Stage::Approach(aim) => Some(&mut aim.door),
-            _ => None,
-        };
-        aim.into_iter().chain(&mut self.expected)
-    }
-}
 
 /// The outcome of a decision.
 enum Next {
@@ -207,7 +120,7 @@ pub struct Mission {
     queue: Option<VecDeque<PlannedDelivery>>,
     task: Option<Task>,
     /// The stage that was reported last.
-    told: Option<openbench_core::Stage>,
+    told: Option<ReportedStage>,
     seen: Vec<Sighting>,
     last_glance: Glance,
     /// Plates that could not be read and have a waypoint.
@@ -341,14 +254,12 @@ impl Mission {
     fn go_on(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         let action = self.decide(observation, events);
         let stage = match &self.locating {
-            Some(_) => Some(openbench_core::Stage::Locating),
-            None => self.task.as_ref().map(|task| task.stage.told()),
+            Some(_) => Some(ReportedStage::Locating),
+            None => self.task.as_ref().map(|task| task.stage.reported()),
         };
-        if stage.is_some() && stage != self.told {
-            self.told = stage;
-            stage
-                .into_iter()
-                .for_each(|stage| events.record(Event::Stage(stage)));
+        if let Some(stage) = stage.filter(|stage| self.told != Some(*stage)) {
+            self.told = Some(stage);
+            events.record(Event::Stage(stage));
         }
         action
     }

@@ -66,7 +66,7 @@ mod tests {
             ],
         );
         assert_eq!(out.matches("<rect").count(), 3);
-        assert!(out.contains("finds out where it is: 11 s"), "{out}");
+        assert!(out.contains("finding out where it is: 11 s"), "{out}");
         let mut nothing = String::new();
         render(&mut nothing, &[]);
         assert_eq!(nothing, "");
