@@ -104,11 +104,35 @@ fn code_below(folder: &Path) -> String {
         let path = entry.unwrap().path();
         if path.is_dir() {
             code += &code_below(&path);
+        } else if path.ends_with("tests.rs") {
+            assert!(
+                is_for_tests_only(&path),
+                "{}: its module is not behind `#[cfg(test)]`",
+                path.display()
+            );
         } else if path.extension().is_some_and(|ending| ending == "rs") {
             code += &code_of(&path);
         }
     }
     code
+}
+
+/// Whether the module above a file `tests.rs` includes it only when tests are built.
+fn is_for_tests_only(tests: &Path) -> bool {
+    let folder = tests.parent().unwrap();
+    [
+        folder.with_extension("rs"),
+        folder.join("mod.rs"),
+        folder.join("lib.rs"),
+    ]
+    .iter()
+    .filter_map(|module| std::fs::read_to_string(module).ok())
+    .any(|module| {
+        let lines: Vec<&str> = module.lines().collect();
+        lines
+            .windows(2)
+            .any(|pair| pair[0] == "#[cfg(test)]" && pair[1].ends_with("mod tests;"))
+    })
 }
 
 /// The source code of a file, without tests, which stand at its end, and without comments.
@@ -124,6 +148,7 @@ fn code_of(path: &Path) -> String {
 fn crates() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
+
 /// The crates of an agent do not contain the word, and the types that an agent receives have only
 /// fields that a robot can know: a start, maps, sensor data.
 #[test]
