@@ -18,14 +18,14 @@ import statistics
 import subprocess
 
 #: Neighbourhoods like `medium`, one for each seed.
-DRAWN_SEEDS = range(11110, 11114)
+DRAWN_SEEDS = range(11210, 11214)
 DRAWN_CONDITIONS = {
     "exact": [],
     "map=city, start=5m": ["map=city", "start=5m"],
 }
 #: Shifts of maps, one for each seed and published world: standard deviations of an axis and of the
 #: rotation, which draw shifts of a few metres and turns of a degree or so.
-SHIFT_SEEDS = range(11100, 11108)
+SHIFT_SEEDS = range(11200, 11208)
 SHIFT = ["map.shift_m=2.5", "map.rotation_deg=1"]
 #: Draws that count: metres and degrees.
 SHIFT_M, ROTATION_DEG = (2.0, 5.0), 2.0

@@ -10,7 +10,7 @@ const SURE: f64 = 0.9999;
 /// One that was this probable at two places is accepted,
 const LIKELY: f64 = 0.99;
 /// and one that was this probable at three.
-const PROBABLE: f64 = 0.97;
+const PROBABLE: f64 = 0.98;
 /// A pose that becomes less probable than this is confirmed anew from there: something contradicts
 /// it, or speaks for another one.
 const DOUBTFUL: f64 = 0.9;
