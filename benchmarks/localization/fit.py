@@ -31,6 +31,8 @@ DOUBTFUL = 0.9
 #: fewest that are told by several places.
 LEAST_INFORMATION = 0.15
 FEW_BUILDINGS, FEW_APART_M, LEAST_BUILDINGS = 4, 15.0, 2
+#: Attempts come every five metres; so far from a distance they count as there.
+HALF_A_LEG_M = 2.5
 
 
 class Attempt:
@@ -210,7 +212,7 @@ def main():
             table[key[2], key[1]].append(accepted(ones, rule))
         for key, ones in sorted(table.items()):
             within = [
-                sum(one is not None and one[0] < metres + 1 for one in ones) / len(ones)
+                sum(one is not None and one[0] < metres + HALF_A_LEG_M for one in ones) / len(ones)
                 for metres in (0, 20, 40, 60)
             ]
             wrong = sum(one is not None and one[1] >= 5.0 for one in ones)
