@@ -5,18 +5,9 @@ use libfuzzer_sys::arbitrary::{Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use nalgebra::Vector3;
 use openbench_core::{ImuSample, LidarPoint, LidarScan, RobotDescription, SimTime};
+use openbench_fuzz::number;
 use openbench_localization::lidar_inertial::sensor_settings;
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Speed};
-
-/// A number of the sensors' own size, or any.
-fn number(input: &mut Unstructured<'_>, size: f64) -> Result<f64> {
-    let small = f64::from(input.arbitrary::<i16>()?) / f64::from(i16::MAX) * size;
-    if input.ratio(1, 200)? {
-        input.arbitrary()
-    } else {
-        Ok(small)
-    }
-}
 
 fn vector(input: &mut Unstructured<'_>, size: f64) -> Result<[f64; 3]> {
     Ok([

@@ -10,22 +10,13 @@ use libfuzzer_sys::fuzz_target;
 use openbench_core::{
     Camera, Image, LidarPoint, LidarScan, MapPoint, Observation, Pose2, Pose3, SimTime, Start,
 };
+use openbench_fuzz::number;
 use openbench_localization::registration::Registrar;
 use openbench_localization::{FixSource, Track};
 use openbench_osm::{OsmData, OsmMap, Projection};
 
 /// Height of the LiDAR, metres.
 const LIDAR_M: f64 = 0.5;
-
-/// A number of this size, or any.
-fn number(input: &mut Unstructured<'_>, size: f64) -> Result<f64> {
-    let small = f64::from(input.arbitrary::<i16>()?) / f64::from(i16::MAX) * size;
-    if input.ratio(1, 200)? {
-        input.arbitrary()
-    } else {
-        Ok(small)
-    }
-}
 
 fn pose(input: &mut Unstructured<'_>, size: f64) -> Result<Pose2> {
     Ok(Pose2 {

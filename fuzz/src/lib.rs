@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use libfuzzer_sys::arbitrary::{Result, Unstructured};
 use openbench_osm::{OsmData, OsmMap, default_georeference};
 use openbench_routing::osrm::{Limits, Service, ServiceMemory};
 use openbench_routing::{Metric, Profile, Roads};
@@ -14,6 +15,16 @@ const MAP: &str = r#"<osm version="0.6">
   <node id="3" lat="0.00005" lon="3.00015"/><node id="4" lat="0.00005" lon="3.00005"/>
   <way id="1"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="building" v="yes"/></way>
 </osm>"#;
+
+/// A number of up to this size, or now and then any.
+pub fn number(input: &mut Unstructured<'_>, size: f64) -> Result<f64> {
+    let small = f64::from(input.arbitrary::<i16>()?) / f64::from(i16::MAX) * size;
+    if input.ratio(1, 200)? {
+        input.arbitrary()
+    } else {
+        Ok(small)
+    }
+}
 
 /// Lays data flat and writes it again, as every command that is given a map does.
 pub fn use_map(data: &OsmData) {
